@@ -15,6 +15,7 @@ BENCHMARKS = {
     "speed": ("benchmarks.speed", "Seconds to encode, decode and start, on pictures."),
     "decode": ("benchmarks.decode", "What decoding costs, next to another version of the package."),
     "ladder": ("benchmarks.ladder", "What each effort takes and gives, beside AVIF and JPEG XL."),
+    "lossless": ("benchmarks.lossless", "Lossless and near-lossless bytes beside other codecs."),
     "profile": ("benchmarks.profile", "Where the time of an encode goes, by module."),
     "raster": ("benchmarks.raster", "The native rasteriser's passes, next to the peak of the cores."),
     "cuda": ("benchmarks.cuda", "Check and measure the kernels on a GPU; count floors without."),

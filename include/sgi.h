@@ -108,6 +108,7 @@ typedef struct sgi_view {
   int boundless;
   int exact;     /* 1: never from the overview */
   int no_dither; /* 1: eight bits of a deeper source are rounded to nearest */
+  int lossy;     /* 1: without the residual layer, which else makes the picture's own pixels exact, or near it */
 } sgi_view;
 
 /* "0.1.0"; of the library that runs. */

@@ -94,6 +94,10 @@ class Stream:
     def chunk_bytes(self) -> dict: ...
 
     @property
+    def max_error(self) -> int:
+        """-1 without residual layer."""
+
+    @property
     def has_overview(self) -> bool: ...
 
     @property
@@ -114,7 +118,7 @@ class Stream:
 
     def prepare(self, view: tuple[float, float, float, float, int, int], exact: bool) -> None: ...
 
-    def draw(self, view: tuple[float, float, float, float, int, int], top: int, rows: int, sample_type: str, mapped: bool, exact: bool, dither: bool) -> numpy.typing.NDArray:
+    def draw(self, view: tuple[float, float, float, float, int, int], top: int, rows: int, sample_type: str, mapped: bool, exact: bool, dither: bool, lossy: bool) -> numpy.typing.NDArray:
         """
         Samples [rows, columns, C] of a view (x, y, sx, sy, columns, rows) from its row `top` on. numpy is not needed before they are drawn.
         """
@@ -295,6 +299,13 @@ def shipped(kind: str, number: int) -> bytes:
 def tile_segments(length: int, count: int, apron: int, start: float, scale: float, first: int, n: int) -> list:
     """
     First and last pixel, tile and the next one's share, or None, of each run of output pixels along an axis.
+    """
+
+RESIDUAL_BLOCK: int = ...
+
+def code_residual(samples: Annotated[NDArray[numpy.uint16], dict(shape=(None, None, None), order='C', device='cpu', writable=False)], drawn: Annotated[NDArray[numpy.uint16], dict(shape=(None, None, None), order='C', device='cpu', writable=False)], header: bytes, max_error: int) -> tuple[Annotated[NDArray[numpy.int32], dict(shape=(None,))], Annotated[NDArray[numpy.int32], dict(shape=(None,))], int]:
+    """
+    Bits of a block [h, w, C] of a residual layer, their P(1) in 2^-16, the CRC-32 of the samples that a reader finds.
     """
 
 class SymbolReader:

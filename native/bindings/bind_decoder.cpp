@@ -94,13 +94,13 @@ auto tiles(sgi::Stream &self) {
 
 template <class T>
 nb::object drawn(sgi::Stream &self, const sgi::PictureView &view, int64_t top, int64_t rows, sgi::Output output,
-                 bool exact, bool dither) {
+                 const sgi::DrawOptions &options) {
   const size_t channels = size_t(self.header().spec.channels);
   const size_t shape[] = {size_t(rows), size_t(view.columns), channels};
   std::unique_ptr<T[]> samples(new T[shape[0] * shape[1] * channels]);
   {
     const nb::gil_scoped_release release;
-    self.draw(view, top, rows, output, exact, dither, samples.get(), view.columns * int64_t(channels * sizeof(T)));
+    self.draw(view, top, rows, output, options, samples.get(), view.columns * int64_t(channels * sizeof(T)));
   }
   T *data = samples.get();
   const nb::capsule owner(samples.release(), [](void *held) noexcept { delete[] static_cast<T *>(held); });
@@ -108,14 +108,15 @@ nb::object drawn(sgi::Stream &self, const sgi::PictureView &view, int64_t top, i
 }
 
 nb::object draw(sgi::Stream &self, const ViewFields &fields, int64_t top, int64_t rows, const std::string &type,
-                bool mapped, bool exact, bool dither) {
+                bool mapped, bool exact, bool dither, bool lossy) {
+  const sgi::DrawOptions options{exact, dither, lossy};
   const sgi::PictureView view = view_of(fields);
   require(top >= 0 && rows > 0 && rows <= sgi::kMaxSide, "top and rows must be rows of the view");
   require(mapped || type == "float32", "values are float32");
-  if (type == "uint8") return drawn<uint8_t>(self, view, top, rows, sgi::Output::u8, exact, dither);
-  if (type == "uint16") return drawn<uint16_t>(self, view, top, rows, sgi::Output::u16, exact, dither);
+  if (type == "uint8") return drawn<uint8_t>(self, view, top, rows, sgi::Output::u8, options);
+  if (type == "uint16") return drawn<uint16_t>(self, view, top, rows, sgi::Output::u16, options);
   require(type == "float32", "samples must be uint8, uint16 or float32");
-  return drawn<float>(self, view, top, rows, mapped ? sgi::Output::f32 : sgi::Output::values, exact, dither);
+  return drawn<float>(self, view, top, rows, mapped ? sgi::Output::f32 : sgi::Output::values, options);
 }
 
 auto survey(sgi::Stream &self) {
@@ -145,6 +146,7 @@ void bind_decoder(nb::module_ &m) {
       .def_prop_ro("size", [](const sgi::Stream &self) { return self.chunks().size(); })
       .def_prop_ro("blobs", &blobs)
       .def_prop_ro("chunk_bytes", &chunk_bytes)
+      .def_prop_ro("max_error", &sgi::Stream::max_error, Released(), "-1 without residual layer.")
       .def_prop_ro("has_overview", &sgi::Stream::has_overview)
       .def_prop_ro("overview", &sgi::Stream::overview, Released(), nb::rv_policy::reference_internal)
       .def_prop_ro("overview_bytes", [](const sgi::Stream &self) { return as_bytes(self.overview_bytes()); })
@@ -155,9 +157,9 @@ void bind_decoder(nb::module_ &m) {
           "prepare",
           [](sgi::Stream &self, const ViewFields &fields, bool exact) { self.prepare(view_of(fields), exact); },
           "view"_a, "exact"_a, Released())
-      .def("draw", &draw, "view"_a, "top"_a, "rows"_a, "sample_type"_a, "mapped"_a, "exact"_a, "dither"_a,
+      .def("draw", &draw, "view"_a, "top"_a, "rows"_a, "sample_type"_a, "mapped"_a, "exact"_a, "dither"_a, "lossy"_a,
            nb::sig("def draw(self, view: tuple[float, float, float, float, int, int], top: int, rows: int, "
-                   "sample_type: str, mapped: bool, exact: bool, dither: bool) -> numpy.typing.NDArray"),
+                   "sample_type: str, mapped: bool, exact: bool, dither: bool, lossy: bool) -> numpy.typing.NDArray"),
            "Samples [rows, columns, C] of a view (x, y, sx, sy, columns, rows) from its row `top` on. numpy is not "
            "needed before they are drawn.")
       .def("survey", &survey, "Seeds, bytes of parts in their order, bytes of masks, checksum, cells of texture.");

@@ -15,15 +15,16 @@ struct ChunkKind {
 constexpr ChunkKind kChunkKinds[] = {
     {'H', "header", true, nullptr},   {'s', "software", true, nullptr}, {'i', "ICC profile", true, "icc"},
     {'c', "EXIF", true, "exif"},      {'x', "XMP", true, "xmp"},        {'g', "place", true, "geo"},
-    {'o', "overview", true, nullptr}, {'T', "tile", false, nullptr},    {'X', "index", true, nullptr},
-    {'E', "end mark", true, nullptr},
+    {'o', "overview", true, nullptr}, {'r', "residual", true, nullptr}, {'T', "tile", false, nullptr},
+    {'X', "index", true, nullptr},    {'E', "end mark", true, nullptr},
 };
 
-// Letters of all of them but header and end mark, which are always known; an overview has none of its own.
+// Letters of all of them but header and end mark, which are always known; an overview has no overview and no residual.
 inline std::string known_chunks(bool is_overview = false) {
   std::string letters;
   for (const ChunkKind &kind : kChunkKinds)
-    if (kind.letter != 'H' && kind.letter != 'E' && !(kind.letter == 'o' && is_overview)) letters += kind.letter;
+    if (kind.letter != 'H' && kind.letter != 'E' && !(is_overview && (kind.letter == 'o' || kind.letter == 'r')))
+      letters += kind.letter;
   return letters;
 }
 

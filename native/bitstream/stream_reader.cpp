@@ -50,6 +50,9 @@ struct StreamReader::Parts {
       } else if (chunk.kind == 'o') {
         has_overview = true, overview = chunk;
         if (!chunks.size()) kept_overview = chunks.payload(chunk);
+      } else if (chunk.kind == 'r') {
+        has_residual = true, residual = chunk;
+        if (!chunks.size()) kept_residual = chunks.payload(chunk);
       } else {
         blobs[chunk.kind] = chunks.payload(chunk);
         if (chunk.kind == 'H') header = decode_header(view(blobs['H']));
@@ -142,6 +145,9 @@ struct StreamReader::Parts {
   bool has_overview = false;
   Chunk overview{};
   std::vector<uint8_t> kept_overview;  // of a source without a size
+  bool has_residual = false;
+  Chunk residual{};
+  std::vector<uint8_t> kept_residual;  // the same
 };
 
 StreamReader::StreamReader(std::unique_ptr<ByteSource> source, bool is_overview)
@@ -157,6 +163,15 @@ bool StreamReader::has_overview() const { return parts_->has_overview; }
 std::vector<uint8_t> StreamReader::overview() {
   if (!parts_->has_overview || !parts_->chunks.size()) return parts_->kept_overview;
   return parts_->chunks.payload(parts_->overview);
+}
+
+int64_t StreamReader::residual_bytes() const { return parts_->has_residual ? parts_->residual.length : -1; }
+
+std::vector<uint8_t> StreamReader::residual(int64_t offset, int64_t count) {
+  const int64_t end = std::min(residual_bytes(), offset + count);
+  if (parts_->chunks.size())
+    return parts_->chunks.peek(parts_->residual.begin() + uint64_t(offset), size_t(end - offset));
+  return {parts_->kept_residual.begin() + offset, parts_->kept_residual.begin() + end};
 }
 
 size_t StreamReader::expect(const std::vector<int64_t> &numbers, size_t first) {

@@ -24,7 +24,10 @@ class StreamReader {
   const std::map<char, std::vector<uint8_t>> &blobs() const;  // metadata by the letter of their chunk
   const std::map<std::string, int64_t> &chunk_bytes() const;  // by letter, frame included; and the "signature"
   bool has_overview() const;
-  std::vector<uint8_t> overview();            // empty where there is none
+  std::vector<uint8_t> overview();  // empty where there is none
+  int64_t residual_bytes() const;   // of the payload of the residual layer; -1 where there is none
+  // Up to `count` bytes of that payload, which are not checked.
+  std::vector<uint8_t> residual(int64_t offset, int64_t count);
   std::vector<uint8_t> tile(int64_t number);  // the payload of its chunk
   // Tells the source that tiles are read next, those from place `first` on, up to a few megabytes of them. Returns the
   // place behind the last one.

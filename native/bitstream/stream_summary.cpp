@@ -23,6 +23,14 @@ bool jump(ChunkReader &chunks, const Chunk &first, std::map<std::string, int64_t
   return true;
 }
 
+// The first number of a residual layer.
+int64_t max_error_of(ChunkReader &chunks, const Chunk &layer) {
+  const auto length = size_t(std::min<int64_t>(kMaxVarintBytes, layer.length));
+  const auto start = chunks.size() ? chunks.peek(layer.begin(), length) : chunks.payload(layer);
+  size_t at = 0;
+  return decode_varint({start.data(), start.size()}, at);
+}
+
 }  // namespace
 
 StreamSummary summarize(std::unique_ptr<ByteSource> source) {
@@ -35,7 +43,8 @@ StreamSummary summarize(std::unique_ptr<ByteSource> source) {
       check_unlisted(found.header.grid().count());
     }
     found.chunk_bytes[{chunk.kind}] += int64_t(chunk.end() - chunk.offset);
-    if (chunk.kind == 'T' || chunk.kind == 'X' || chunk.kind == 'o') continue;
+    if (chunk.kind == 'r') found.max_error = max_error_of(chunks, chunk);
+    if (chunk.kind == 'T' || chunk.kind == 'X' || chunk.kind == 'o' || chunk.kind == 'r') continue;
     const auto &payload = found.blobs[chunk.kind] = chunks.payload(chunk);
     if (chunk.kind == 'H') found.header = decode_header({payload.data(), payload.size()});
   }

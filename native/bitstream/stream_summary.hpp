@@ -1,4 +1,4 @@
-// What a stream says before its tiles. No tile is read, nor the overview.
+// What a stream says before its tiles. No tile is read, nor the overview, nor blocks of the residual layer.
 #pragma once
 #include <cstdint>
 #include <map>
@@ -14,7 +14,8 @@ namespace sgi {
 struct StreamSummary {
   Header header{};
   uint64_t size = 0;                             // of the file, bytes
-  std::map<char, std::vector<uint8_t>> blobs;    // payloads by letter, without T, X and o
+  int64_t max_error = -1;                        // that the residual layer states; -1 where there is none
+  std::map<char, std::vector<uint8_t>> blobs;    // payloads by letter, without T, X, o and r
   std::map<std::string, int64_t> chunk_bytes{};  // by letter, frame included; and the "signature"
 };
 

@@ -255,7 +255,8 @@ sgi_status sgi_draw(sgi_stream *stream, const sgi_view *view, void *buffer, size
     const sgi::PictureView shown = picture_view(wanted, drawn.header());
     check_buffer(buffer, stride, wanted, drawn.header());
     constexpr sgi::Output outputs[] = {sgi::Output::u8, sgi::Output::u16, sgi::Output::f32};
-    drawn.draw(shown, 0, shown.rows, outputs[wanted.sample], wanted.exact, !wanted.no_dither, buffer, int64_t(stride));
+    const sgi::DrawOptions how{wanted.exact != 0, !wanted.no_dither, wanted.lossy != 0};
+    drawn.draw(shown, 0, shown.rows, outputs[wanted.sample], how, buffer, int64_t(stride));
   });
 }
 

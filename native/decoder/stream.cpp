@@ -29,6 +29,15 @@ void check_overview(const Header &found, const Header &header) {
     refuse("its samples are not of the picture's type and range");
 }
 
+std::optional<double> nodata_of(const Header &header) {
+  return header.masked == Masked::nodata ? std::optional(header.nodata) : std::nullopt;
+}
+
+// Whether samples of this type are those of the source as they are.
+bool is_source_type(Output output, SampleType type) {
+  return (output == Output::u8 && type == SampleType::u8) || (output == Output::u16 && type == SampleType::u16);
+}
+
 // One checksum of the symbols of several tiles; that of a single one is its own.
 uint32_t joined_crc(const std::vector<uint32_t> &crcs) {
   if (crcs.size() == 1) return crcs[0];
@@ -43,13 +52,14 @@ uint32_t joined_crc(const std::vector<uint32_t> &crcs) {
 struct Stream::Parts {
   Parts(std::unique_ptr<ByteSource> source, const DecoderSettings &given, bool is_overview)
       : settings(given), chunks(std::move(source), is_overview), tiles(chunks, settings) {
-    if (chunks.header().masked == Masked::nodata) nodata = chunks.header().nodata;
+    nodata = nodata_of(chunks.header());
   }
 
   const DecoderSettings settings;
   StreamReader chunks;
   TileCache tiles;
   std::optional<double> nodata;
+  std::unique_ptr<ExactBlocks> exact_blocks;
   std::optional<Survey> survey;
   std::vector<uint8_t> overview_bytes;
   std::unique_ptr<Stream> overview;
@@ -88,33 +98,53 @@ void Stream::prepare(const PictureView &view, bool exact) {
   decode_tiles(header(), parts_->tiles, inner.view, parts_->settings.between);
 }
 
-void Stream::draw(const PictureView &view, int64_t top, int64_t rows, Output output, bool exact, bool dither, void *out,
-                  int64_t stride) {
+void Stream::draw(const PictureView &view, int64_t top, int64_t rows, Output output, const DrawOptions &options,
+                  void *out, int64_t stride) {
   const Lock lock(parts_->turn);
   const SampleFormat format(header(), output, parts_->nodata);
   const PixelBlock block{out, view.columns, rows, stride / format.sample_bytes()};
   const InnerView inner = inner_view(view, header().width, header().height);
   if (inner.view.columns == view.columns && inner.view.rows == view.rows)
-    return draw_inside(view, top, block, output, exact, dither);
+    return draw_inside(view, top, block, output, options);
   format.fill(format.blank, block);
   const int64_t first = std::max(top, inner.top), last = std::min(top + rows, inner.top + inner.view.rows);
   if (first < last && inner.view.columns)
     draw_inside(inner.view, first - inner.top,
-                format.part(block, inner.left, first - top, inner.view.columns, last - first), output, exact, dither);
+                format.part(block, inner.left, first - top, inner.view.columns, last - first), output, options);
 }
 
-void Stream::draw_inside(const PictureView &view, int64_t top, const PixelBlock &block, Output output, bool exact,
-                         bool dither) {
-  if (has_overview() && !exact)
+void Stream::draw_inside(const PictureView &view, int64_t top, const PixelBlock &block, Output output,
+                         const DrawOptions &options) {
+  if (has_overview() && !options.exact)
     if (const auto small = overview_view(header().width, header().height, view)) {
       Stream &shown = overview();
       const Lock lock(shown.parts_->turn);
-      return shown.draw_inside(*small, top, block, output, exact, dither);
+      return shown.draw_inside(*small, top, block, output, options);
     }
   const SampleFormat format(header(), output, parts_->nodata);
-  const Drawing drawing{format, dither && format.is_dithered(header().sample_type), parts_->settings.threads,
+  const Drawing drawing{format, options.dither && format.is_dithered(header().sample_type), parts_->settings.threads,
                         parts_->settings.between};
-  draw_view(header(), parts_->tiles, view, top, block, drawing);
+  const bool is_layered = !options.lossy && view.is_plain() && is_source_type(output, header().sample_type);
+  ExactBlocks *blocks = is_layered ? exact_blocks() : nullptr;
+  if (!blocks) return draw_view(header(), parts_->tiles, view, top, block, drawing);
+  const SampleFormat source(header(), output, nodata_of(header()));  // whatever `set_blank` says
+  const Drawing plain{source, false, drawing.threads, drawing.between};
+  blocks->fill(int64_t(view.x), int64_t(view.y) + top, block, [&](const ExactBlocks::Place &at, const PixelBlock &out) {
+    const PictureView whole{double(at.x), double(at.y), 1, 1, at.width, at.height};
+    draw_view(header(), parts_->tiles, whole, 0, out, plain);
+  });
+}
+
+ExactBlocks *Stream::exact_blocks() {
+  if (parts_->chunks.residual_bytes() < 0) return nullptr;
+  if (!parts_->exact_blocks) parts_->exact_blocks = std::make_unique<ExactBlocks>(parts_->chunks, parts_->settings);
+  return parts_->exact_blocks.get();
+}
+
+int32_t Stream::max_error() {
+  const Lock lock(parts_->turn);
+  const ExactBlocks *blocks = exact_blocks();
+  return blocks ? blocks->max_error() : -1;
 }
 
 const Survey &Stream::survey() {

@@ -6,6 +6,7 @@
 
 #include "bitstream/stream_reader.hpp"
 #include "bitstream/tile.hpp"
+#include "decoder/exact_blocks.hpp"
 #include "decoder/samples.hpp"
 #include "decoder/tile_cache.hpp"
 #include "decoder/view.hpp"
@@ -19,6 +20,13 @@ struct Survey {
   int64_t mask_bytes = 0;
   uint32_t symbol_crc = 0;
   int64_t texture_cells[3] = {};  // of sides 8, 16, 32
+};
+
+// How a view is drawn.
+struct DrawOptions {
+  bool exact = false;   // never from the overview
+  bool dither = false;  // samples of eight bits where the source had more
+  bool lossy = false;   // without the residual layer
 };
 
 // Several threads may use one at once; they take turns. What fails throws Error, or what the source throws.
@@ -36,12 +44,14 @@ class Stream {
   // Decodes the tiles of a view, as many as half of the cache holds: so those that are not sound are found before
   // memory is taken for what is rendered.
   void prepare(const PictureView &view, bool exact);
-  // Fills out [rows, columns, C], rows `stride` bytes apart, with rows top ... top + rows - 1 of a view. exact: never
-  // from the overview. dither: of samples of eight bits where the source had more.
-  void draw(const PictureView &view, int64_t top, int64_t rows, Output output, bool exact, bool dither, void *out,
+  // Fills out [rows, columns, C], rows `stride` bytes apart, with rows top ... top + rows - 1 of a view. A residual
+  // layer changes views in the picture's own pixels and type.
+  void draw(const PictureView &view, int64_t top, int64_t rows, Output output, const DrawOptions &options, void *out,
             int64_t stride);
   // Decodes all tiles, or those that are not known yet.
   const Survey &survey();
+  // By how much samples are off the source's at most where the residual layer is drawn; -1 where there is none.
+  int32_t max_error();
   bool has_overview() const;
   Stream &overview();                                  // throws Error (usage) where there is none
   const std::vector<uint8_t> &overview_bytes() const;  // of the one that was asked for, else empty
@@ -59,8 +69,9 @@ class Stream {
  private:
   struct Parts;
   Stream(std::unique_ptr<ByteSource> source, const DecoderSettings &settings, bool is_overview);
-  void draw_inside(const PictureView &view, int64_t top, const PixelBlock &block, Output output, bool exact,
-                   bool dither);
+  void draw_inside(const PictureView &view, int64_t top, const PixelBlock &block, Output output,
+                   const DrawOptions &options);
+  ExactBlocks *exact_blocks();  // null without residual layer
   std::unique_ptr<Parts> parts_;
 };
 

@@ -13,11 +13,12 @@ from sgicodec._native import MAX_PAYLOAD, SIGNATURE
 from sgicodec.bitstream.varint import encode_varint
 from sgicodec.errors import UsageError
 
-__all__ = ["MAX_PAYLOAD", "SIGNATURE", "ChunkWriter"]
+__all__ = ["CRC_BYTES", "END", "MAX_PAYLOAD", "SIGNATURE", "ChunkWriter"]
 
 HEADER, END = "H", "E"
 
-_CRC_BYTES = 4
+CRC_BYTES = 4
+"""Behind the payload of a chunk."""
 
 
 class ChunkWriter:
@@ -42,7 +43,12 @@ class ChunkWriter:
             raise UsageError(f"container: chunk {kind} has {len(payload)} bytes; at most {MAX_PAYLOAD} are allowed")
         head = kind.encode() + encode_varint(len(payload))
         crc = zlib.crc32(payload, zlib.crc32(head))
-        self._put(head + payload + crc.to_bytes(_CRC_BYTES, "little"))
+        self._put(head + payload + crc.to_bytes(CRC_BYTES, "little"))
+        self._last = kind
+
+    def copy(self, kind: str, chunk: bytes) -> None:
+        """Appends a whole chunk as another file has it, with head and CRC."""
+        self._put(chunk)
         self._last = kind
 
     def finish(self) -> None:

@@ -14,15 +14,17 @@ __all__ = ["StreamSummary"]
 
 
 class StreamSummary:
-    """header, blobs (payloads by letter, without T, X and o), size of the file, chunk_bytes: that of every chunk by its
-    letter, frame included. A source that cannot seek is read to its end. Raises StreamError.
+    """header, blobs (payloads by letter, without T, X, o and r), size of the file, chunk_bytes: that of every chunk by
+    its letter, frame included. A source that cannot seek is read to its end. Raises StreamError.
     """
 
     def __init__(self, source: bytes | BinaryIO) -> None:
         self.blobs: dict[str, bytes]
         self.chunk_bytes: dict[str, int]
         self.size: int
-        self.blobs, self.chunk_bytes, self.size = _native.summarize(source)
+        self.blobs, self.chunk_bytes, self.size, max_error = _native.summarize(source)
+        self.max_error: int | None = None if max_error < 0 else max_error
+        """Levels by which no sample is off that a residual layer brings back; None without one."""
         self.header = decode_header(self.blobs["H"])
 
     @property

@@ -22,10 +22,12 @@ def write_stream(
     metadata: Metadata | None,
     tiles: Iterable[bytes],
     overview: bytes | None = None,
+    residual: bytes | None = None,
 ) -> int:
     """Writes a stream whose tiles have these payloads, in the order of their numbers; returns its length.
 
-    overview: a stream of its own. A stream of several tiles ends with an index.
+    overview: a stream of its own; residual: the payload of a residual layer. A stream of several tiles ends with an
+    index.
     """
     writer = ChunkWriter(file)
     writer.write("H", encode_header(header))
@@ -35,6 +37,8 @@ def write_stream(
             writer.write(letter, blob)
     if overview:
         writer.write("o", overview)
+    if residual:
+        writer.write("r", residual)
     places = []
     for payload in tiles:
         places.append(Place(writer.offset, len(payload)))

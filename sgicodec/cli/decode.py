@@ -77,6 +77,7 @@ __all__ = ["decode"]
     "--metadata/--no-metadata", default=True, show_default=True, help="Keep ICC profile, EXIF, XMP and place on earth."
 )
 @click.option("--exact", is_flag=True, help="Draw small views of large pictures from all that the stream holds.")
+@click.option("--lossy", is_flag=True, help="Leave a residual layer aside: faster.")
 @output_option
 @batch_options
 @threads_option
@@ -101,6 +102,7 @@ def decode(
     dither: bool,
     metadata: bool,
     exact: bool,
+    lossy: bool,
     output: str | None,
     output_dir: str | None,
     recursive: bool,
@@ -135,6 +137,7 @@ def decode(
         metadata,
         exact,
         dither,
+        lossy,
         force,
         *how,
     )  # type: ignore[arg-type]

@@ -55,6 +55,7 @@ class DecodeJob:
     metadata: bool
     exact: bool
     dither: bool
+    lossy: bool
     force: bool
     named: bool
     by_default: bool
@@ -127,7 +128,7 @@ class DecodeJob:
             import_module(names[-1])
 
     def _write(self, stream: Stream, target: str, extension: str) -> Bands | Picture:
-        stream.exact, stream.dither = self.exact, self.dither
+        stream.exact, stream.dither, stream.lossy = self.exact, self.dither, self.lossy
         from sgicodec.image.formats import find
 
         view = self.view.of(stream) | {"dtype": _DTYPES[self.output.bits]}

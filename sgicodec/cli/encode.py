@@ -46,7 +46,7 @@ __all__ = ["encode"]
 @click.command(
     cls=HelpfulCommand,
     short_help="Encode pictures.",
-    common=("quality", "size", "psnr", "effort", "tune", "output", "output_dir", "threads", "force", "quiet"),
+    common=("quality", "size", "psnr", "lossless", "effort", "output", "output_dir", "threads", "force", "quiet"),
     research=(
         *(
             "lmbda",
@@ -79,6 +79,8 @@ __all__ = ["encode"]
 )
 @click.option("--lmbda", type=float, metavar="L", help="Squared error that a bit must save, instead of -q.")
 @target_options
+@click.option("--max-error", type=click.IntRange(0), metavar="N", help="Levels by which no sample may be off.")
+@click.option("--lossless", is_flag=True, help="Every sample as it is: --max-error 0.")
 @click.option("-e", "--effort", type=EFFORT, metavar="1-9", show_default="3", help="More is smaller and slower.")
 @click.option("--profile", type=click.Choice(["default", "paper"]), default="default", show_default=True)
 @click.option("--seeds", type=int, metavar="N", help="Number of seeds; paper profile.")
@@ -86,7 +88,7 @@ __all__ = ["encode"]
 @click.option(
     "--tune",
     type=click.Choice(["visual", "psnr"]),
-    help="What to look good to: the eye, or squared error.  [default: psnr with --psnr, else visual]",
+    help="What to look good to: the eye, or squared error.  [default: psnr with --psnr and --max-error, else visual]",
 )
 @click.option(
     "--distortion",
@@ -156,6 +158,7 @@ def encode(
     page: int | None,
     threads: int,
     device: str,
+    lossless: bool,
     **choices: Any,
 ) -> None:
     """Encode picture IN into stream OUT, by default IN's name with .sgi; - stands for stdin or stdout.
@@ -170,6 +173,10 @@ def encode(
     check_name(device)
     computes = device_of(device if cluster is None else "cpu", threads)
     begin_to_load()
+    if lossless:
+        if choices["max_error"]:
+            raise UsageError("--lossless and --max-error exclude each other")
+        choices["max_error"] = 0
     settings = _settings(choices)
     if cluster is None and (source_at is not None or send_pixels):
         raise UsageError("--source-at and --send-pixels go with --cluster")

@@ -103,6 +103,7 @@ def _facts(summary: StreamSummary | Stream, survey: Survey | None) -> dict[str, 
         "profile": header.profile,
         "tiles": header.grid.count,
         "overview": overview_size(header.width, header.height) if summary.has_overview else None,
+        "max_error": summary.max_error,
         "metadata": metadata_bytes(summary.chunk_bytes),
         **_place_facts(summary),
         "settings": _settings(header),
@@ -162,6 +163,8 @@ def _lines(summary: StreamSummary | Stream, facts: Mapping[str, Any]) -> dict[st
         lines["tiles"] = f"{what}, fading over {2 * grid.apron}"
     if facts["overview"] is not None:
         lines["overview"] = "{}×{}".format(*facts["overview"])
+    if facts["max_error"] is not None:
+        lines["samples"] = f"at most {facts['max_error']} levels off" if facts["max_error"] else "without loss"
     if facts["metadata"]:
         lines["metadata"] = ", ".join(f"{name} {size:,} bytes" for name, size in facts["metadata"].items())
     if facts["seeds"] is not None:

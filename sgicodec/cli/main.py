@@ -28,6 +28,8 @@ _COMMANDS = {
     "decode": "sgicodec.cli.decode",
     "info": "sgicodec.cli.info",
     "verify": "sgicodec.cli.verify",
+    "refine": "sgicodec.cli.residual",
+    "strip": "sgicodec.cli.residual",
     "view": "sgicodec.cli.view",
     "serve": "sgicodec.cli.serve",
     "compare": "sgicodec.bench.command",

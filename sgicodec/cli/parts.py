@@ -23,7 +23,7 @@ def all_parts(tile: Mapping[str, float], chunks: Mapping[str, int], size: int) -
     """
     from sgicodec.bitstream.chunks import CHUNKS
 
-    own = [kind for kind in CHUNKS if kind.metadata is not None or kind.name == "overview"]
+    own = [kind for kind in CHUNKS if kind.metadata is not None or kind.name in ("overview", "residual")]
     model = {name: part for name, part in tile.items() if name != "check"}
     metadata = {kind.name: float(chunks[kind.letter]) for kind in own if kind.letter in chunks}
     return model | {"container": size - sum(model.values()) - sum(metadata.values())} | metadata

@@ -117,7 +117,8 @@ def print_report(
         )
         return
     line = f"{display(target, 'stdout')}: {report.bytes:,} bytes, {report.bpp:.3f} bpp, "
-    line += f"PSNR {report.psnr:.2f} dB{_of_range(report)}, " if report.psnr is not None else ""
+    if report.psnr is not None:
+        line += f"PSNR {report.psnr:.2f} dB{_of_range(report)}, " if math.isfinite(report.psnr) else "without loss, "
     line += f"{report.gaussians:,} Gaussians, {seconds:.1f} s"
     line += f", {peak_mib:.0f} MiB" if peak_mib is not None else ""
     click.echo(line, err=target == STANDARD)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
-from itertools import takewhile
 from os.path import exists
 
 import click
@@ -29,15 +28,10 @@ _JOINTS = {"F": "/", "WxH": "xX×"}
 _SECONDS = {"m": 60, "h": 3600}
 """Of minutes and hours, by their first letter."""
 
-_LOSSLESS = re.compile(r"--?(near[-_]?)?loss-?less(=.*)?", re.I)
-
 
 def check_spelling(command: click.Command, group: click.Context, args: list[str]) -> None:
     """Raises click.UsageError with the right spelling."""
     context = click.Context(command, group, command.name)
-    if any(_LOSSLESS.fullmatch(arg) for arg in takewhile(lambda arg: arg != "--", args)):
-        text = "there is no lossless mode; the nearest are sgi encode -q 100, which looks the same, and --psnr 60"
-        raise click.UsageError(f"{text}, where most samples of 8 bits are exact", context)
     for written, right in _split_values(command, args):
         raise click.UsageError(f"a space splits {written!r}; write {right!r}", context)
 

@@ -52,12 +52,14 @@ class Stream(ArrayView):
     Of several tiles those are read and decoded that a region touches. `size` is the stream's length in bytes,
     `chunk_bytes` that of every chunk by its letter, frame included. Views of a sixteenth and less show the overview of
     a stream that has one, unless `exact` asks for all that the stream holds. Samples
-    of 8 bits are dithered where the source had more, unless `dither` is False. `name` is its path, if it was opened by
-    one. Several threads may use one at once; they take turns.
+    of 8 bits are dithered where the source had more, unless `dither` is False. A residual layer brings views in the
+    picture's own pixels and type to the source, but for `max_error` levels, unless `lossy` leaves it aside. `name` is
+    its path, if it was opened by one. Several threads may use one at once; they take turns.
     """
 
     exact: bool = False
     dither: bool = True
+    lossy: bool = False
 
     def __init__(
         self,
@@ -112,7 +114,15 @@ class Stream(ArrayView):
         if self.name is None and not isinstance(self._source, bytes):
             raise UsageError("a stream that reads a file object cannot be pickled; open it by its path")
         source = self._source if self.name is None else self.name if _is_url(self.name) else os.path.abspath(self.name)
-        return open_stream, (source, self.device), {"exact": self.exact, "dither": self.dither}
+        return (
+            open_stream,
+            (source, self.device),
+            {
+                "exact": self.exact,
+                "dither": self.dither,
+                "lossy": self.lossy,
+            },
+        )
 
     @property
     def nodata(self) -> float | None:
@@ -152,6 +162,12 @@ class Stream(ArrayView):
 
         payload = decode_tile_chunk(self.header, self.payload(number)).model
         return None if payload is None else read_tile(self.header.of_tile(number), payload, self.device)[0]
+
+    @property
+    def max_error(self) -> int | None:
+        """Levels by which no sample is off the source's at most: 0 without loss; None without residual layer."""
+        found = self._open_native().max_error
+        return None if found < 0 else found
 
     @property
     def symbol_crc(self) -> int:
@@ -231,7 +247,7 @@ class Stream(ArrayView):
         """Samples [rows, columns, C] of the view from its row `top` on. Values as they are where they are not
         `mapped`.
         """
-        return self._open_native().draw(view, top, rows, sample_type, mapped, self.exact, self.dither)
+        return self._open_native().draw(view, top, rows, sample_type, mapped, self.exact, self.dither, self.lossy)
 
     @property
     def overview(self) -> Stream:

@@ -23,6 +23,7 @@ from sgicodec.encoder.memory import estimate
 from sgicodec.encoder.plan import Plan, stream_plan
 from sgicodec.encoder.progress import NullListener, PassReporter
 from sgicodec.encoder.quality_calibration import with_quality_calibration
+from sgicodec.encoder.residual import residual_layer
 from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.encoder.tiles.checkpoint import fingerprint
 from sgicodec.encoder.tiles.passes import Finished, TilePasses
@@ -171,10 +172,11 @@ def _encoded(request: _Request, executor: Executor | None = None, store: Store |
         task = FitTask(plan) if plan.header.tile else FitTask(plan, listener)
         reporter, overview = PassReporter(plan, listener), _overview_maker(plan, windows, runner)
         finished = TilePasses(task, runner, tiles, reporter, error_of, overview).run()
-        data, size, psnr = request.write(lambda file: _write(file, finished, tiles))
-        encoded = replace(_summary(data, size, finished, tiles), psnr=psnr)
+        layer = _residual(request, finished, tiles)
+        data, size, psnr = request.write(lambda file: _write(file, finished, tiles, layer))
+        encoded = replace(_summary(data, size, finished, tiles, layer), psnr=psnr)
     masked = plan.header.masked
-    if masked is not None and not encoded.part_bytes.keys() - {"mask", "overview"}:
+    if masked is not None and not encoded.part_bytes.keys() - {"mask", "overview", "residual"}:
         listener.note(_NOTHING[masked])
     if finished.missed is not None:
         raise TargetMissedError(finished.missed, encoded)
@@ -190,13 +192,26 @@ def _within_memory(windows: Windows, plan: Plan, executor: Executor | None) -> t
     return (executor or SerialExecutor()).within(memory, grid.count), memory
 
 
-def _write(file: BinaryIO, finished: Finished, store: Store) -> int:
+def _residual(request: _Request, finished: Finished, store: Store) -> bytes | None:
+    """The payload of the residual layer, if there is to be one."""
+    max_error = request.plan.settings.max_error
+    if max_error is None:
+        return None
+    request.listener.stage("residual")
+    with tempfile.TemporaryFile() as file:
+        _write(file, finished, store, None)
+        file.seek(0)
+        with open_stream(file, request.device.processor) as stream:
+            return residual_layer(stream, request.windows, max_error, request.device)
+
+
+def _write(file: BinaryIO, finished: Finished, store: Store, residual: bytes | None) -> int:
     plan = finished.plan
     tiles = map(store.payload, finished.chosen)
-    return write_stream(file, plan.header, plan.software, plan.metadata, tiles, finished.overview)
+    return write_stream(file, plan.header, plan.software, plan.metadata, tiles, finished.overview, residual)
 
 
-def _summary(data: bytes, size: int, finished: Finished, store: Store) -> Encoded:
+def _summary(data: bytes, size: int, finished: Finished, store: Store, residual: bytes | None) -> Encoded:
     """The figures of a stream from those of its tiles."""
     tiles = [store.tiles[version] for version in finished.chosen]
     parts: Counter[str] = Counter()
@@ -204,6 +219,8 @@ def _summary(data: bytes, size: int, finished: Finished, store: Store) -> Encode
         parts.update(tile.part_bytes)
     if finished.overview:
         parts["overview"] = len(finished.overview)
+    if residual:
+        parts["residual"] = len(residual)
     seeds = sum(tile.seeds for tile in tiles)
     steps = [tile.steps for tile in tiles if tile.steps]
     by_tile = {version.tile: tile.fitted_by for version, tile in store.tiles.items() if tile.fitted_by}

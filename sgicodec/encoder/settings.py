@@ -64,7 +64,8 @@ class EncodeSettings:
     restoration: bool = True
     """Whether a shipped network restores pixels with texture where that is nearer to the picture."""
     tune: Tune | None = None
-    """Least squared error or the eye; None for the eye, but for squared error towards a PSNR."""
+    """Least squared error or the eye; None for the eye, but for squared error towards a PSNR or under a residual
+    layer, which then is smaller."""
     seed: int = 0
     """Of all random numbers."""
     metadata: bool = True
@@ -83,6 +84,10 @@ class EncodeSettings:
     """Pixels that a tile reaches over its neighbours."""
     overview: bool | None = None
     """Whether a stream of several tiles carries the picture in small."""
+    max_error: int | None = None
+    """Levels by which no sample may be off, alpha by none: a residual layer sees to it. 0 is without loss; None for no
+    layer.
+    """
     low_effort: bool | None = None
     """Whether fits of fewer than 300 steps beneath texture leave out what gains little for its time; None for those
     without a target, whose estimates were measured with all of it.
@@ -120,7 +125,9 @@ class EncodeSettings:
             return self.tune
         if not self.chosen_profile.has_distortions:
             return "psnr"
-        return "visual" if self.target is None else TARGETS[self.target].tune
+        if self.target is not None:
+            return TARGETS[self.target].tune
+        return "visual" if self.max_error is None else "psnr"
 
     @property
     def minimised(self) -> str:
@@ -197,6 +204,10 @@ class EncodeSettings:
                 (value is None or target.is_sound(value), f"{name} {value}; {target.rule}")
                 for name, target in TARGETS.items()
                 for value in [getattr(self, name)]
+            ),
+            (
+                self.max_error is None or self.max_error >= 0,
+                f"max-error {self.max_error}; it must not be negative",
             ),
             (
                 not self.tile or MIN_TILE <= self.tile <= MAX_SIDE,

@@ -67,6 +67,7 @@ void draw(sgi_stream *stream, const sgi_info &info, Numbers &numbers) {
   view.struct_size = sizeof view;
   view.sample = int(numbers.below(3));
   view.exact = int(numbers.below(2)), view.no_dither = int(numbers.below(2)), view.boundless = int(numbers.below(2));
+  view.lossy = int(numbers.below(2));
   view.columns = 1 + numbers.below(48), view.rows = 1 + numbers.below(48);
   view.width = 1 + numbers.below(std::min(info.width, 4096u)),
   view.height = 1 + numbers.below(std::min(info.height, 4096u));

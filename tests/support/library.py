@@ -92,7 +92,7 @@ class View(ctypes.Structure):
         ("struct_size", ctypes.c_size_t),
         *((name, ctypes.c_double) for name in ("x", "y", "width", "height")),
         *((name, ctypes.c_uint32) for name in ("columns", "rows")),
-        *((name, ctypes.c_int) for name in ("sample", "boundless", "exact", "no_dither")),
+        *((name, ctypes.c_int) for name in ("sample", "boundless", "exact", "no_dither", "lossy")),
     )
 
 

@@ -37,7 +37,7 @@ from sgicodec.bitstream.entropy.tables import (
 from sgicodec.errors import UsageError
 from sgicodec.model.distinct import distinct
 
-__all__ = ["IntArray", "SymbolWriter"]
+__all__ = ["IntArray", "SymbolWriter", "range_coded"]
 
 _PRECISION = 24
 """Bits of a probability."""
@@ -127,22 +127,16 @@ class SymbolWriter:
 
     def flags(self, bits: IntArray, ones: IntArray, symbols: IntArray, content: float) -> None:
         """Codes bits [n] that are 1 with probabilities ones [n] / 2^16, and books the `symbols` that they spell."""
-        zero = (1 << _PRECISION) - (ones.astype(np.int64) << (_PRECISION - 16))
-        model = constriction().stream.model.Bernoulli(perfect=False)
-        # Constriction takes floats: P(0) becomes the frequency 1 + floor(P(0) (2^24 - 2)).
-        self._coder.encode(bits, model, 1 - (zero - 0.5) / ((1 << _PRECISION) - 2))
+        _encode_bits(self._coder, bits, ones)
         self._record(symbols, content)
 
     def finish(self) -> bytes:
-        """Appends the CRC of all symbols and returns the payload: words with the most significant byte first,
-        so that zero bytes at the end say nothing and are left out.
-        """
+        """Appends the CRC of all symbols and returns the payload."""
         crc = self.crc
         with self.part("check"):
             self.code_int(crc, 32)
         self.crc = crc  # of the symbols, not of their check
-        words: NDArray[np.uint32] = self._coder.get_compressed()
-        return words.astype(">u4").tobytes().rstrip(b"\0")
+        return _payload(self._coder)
 
     def _record(self, values: NDArray[np.integer], bits: float) -> None:
         self.count += values.size
@@ -183,6 +177,28 @@ class SymbolWriter:
             self._coder.encode(np.ascontiguousarray(index), model)
         except BaseException as error:
             raise _not_a_panic(error) from error
+
+
+def range_coded(bits: IntArray, ones: IntArray) -> bytes:
+    """The payload of bits [n] alone that are 1 with probabilities ones [n] / 2^16."""
+    coder = constriction().stream.queue.RangeEncoder()
+    _encode_bits(coder, bits, ones)
+    return _payload(coder)
+
+
+def _encode_bits(coder: Any, bits: IntArray, ones: IntArray) -> None:
+    zero = (1 << _PRECISION) - (ones.astype(np.int64) << (_PRECISION - 16))
+    model = constriction().stream.model.Bernoulli(perfect=False)
+    # Constriction takes floats: P(0) becomes the frequency 1 + floor(P(0) (2^24 - 2)).
+    coder.encode(bits, model, 1 - (zero - 0.5) / ((1 << _PRECISION) - 2))
+
+
+def _payload(coder: Any) -> bytes:
+    """All words of a range coder, the most significant byte first: zero bytes at the end say nothing and are left
+    out.
+    """
+    words: NDArray[np.uint32] = coder.get_compressed()
+    return words.astype(">u4").tobytes().rstrip(b"\0")
 
 
 def _not_a_panic(error: BaseException) -> BaseException:

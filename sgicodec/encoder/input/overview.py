@@ -43,7 +43,7 @@ def takes_overview(plan: Plan) -> bool:
 def overview_settings(plan: Plan, lmbda: float) -> EncodeSettings:
     """Those of the overview of a stream whose tiles are fitted at λ."""
     tiles = {"tile": plan.header.tile, "apron": plan.header.apron, "overview": False}
-    return plan.settings.at_lmbda(lmbda / _FINER, metadata=False, **tiles)
+    return plan.settings.at_lmbda(lmbda / _FINER, metadata=False, max_error=None, **tiles)
 
 
 def overview_picture(plan: Plan, read: Callable[[int, int, int, int], Picture]) -> Picture:

@@ -82,6 +82,13 @@ def pictures() -> dict[str, tuple[Picture, EncodeSettings]]:
         "rgba8-tiles-restored": (crop_with_alpha, replace(restored, quality=50, tile=100, overview=True)),
         "multi16-bands": (bare_bands(small), textured),
         "float-tiles-exact": (bare_floats(small[:48, :64]), replace(luma, tile=32, overview=True)),
+        "rgb8-tiles-lossless": (crop, replace(textured, quality=40, tile=100, overview=True, max_error=0)),
+        "rgba8-near": (Picture(alpha, "rgba", (0.0, 255.0)), replace(quick, max_error=2)),
+        "multi16-bands-lossless": (bare_bands(small), replace(textured, max_error=0)),
+        "gray16-lossless-blocks": (
+            Picture(np.ascontiguousarray(photo.pixels[100:120, :600, 1:2]) * np.uint16(257), "gray", (0.0, 65535.0)),
+            replace(quick, max_error=0),
+        ),
         "one-pixel": (Picture(small[:1, :1], "rgb", (0.0, 255.0)), quick),
     }
 

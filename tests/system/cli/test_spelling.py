@@ -42,16 +42,6 @@ def test_a_space_in_a_value(
     assert sorted(path.name for path in picture.parent.iterdir()) == ["scene.png", "scene.sgi"]
 
 
-@pytest.mark.parametrize("command", ["encode", "decode"])
-@pytest.mark.parametrize("option", ["--lossless", "-lossless", "--lossless=1", "--near-lossless", "--Lossless"])
-def test_there_is_no_lossless_mode(sgi: Run, picture: Path, command: str, option: str) -> None:
-    result = sgi(command, picture, option)
-    assert result.exit_code == 2
-    assert result.stderr.startswith("sgi: there is no lossless mode; the nearest are sgi encode -q 100")
-    assert "--psnr 60" in result.stderr
-    assert result.stderr.count("\n") == 1
-
-
 @pytest.mark.parametrize(
     ("line", "wanted"),
     [

@@ -48,12 +48,12 @@ def test_all_chunks_are_found_from_every_source(path: Path, source: Source) -> N
     reader = native_reader(source(data))
     tiles = [payload for letter, payload in parts if letter == "T"]
     assert [reader.tile(number) for number in range(len(tiles))] == tiles
-    blobs = {letter: payload for letter, payload in parts if letter not in "TXoE"}
+    blobs = {letter: payload for letter, payload in parts if letter not in "TXorE"}
     assert {letter: payload for letter, payload in reader.blobs.items() if letter in blobs} == blobs
     sizes: dict[str, int] = {}
     for letter, payload in parts:
         sizes[letter] = sizes.get(letter, 0) + len(frame(letter, payload))
-    told = "HTosx" if source is trickle else "HTXosx"  # who cannot seek passes over the index
+    told = "HTorsx" if source is trickle else "HTXorsx"  # who cannot seek passes over the index
     assert {letter: reader.chunk_bytes.get(letter) for letter in told} == {name: sizes.get(name) for name in told}
     assert (reader.size, reader.has_overview) == (len(data), "o" in sizes)
 

@@ -1,0 +1,304 @@
+// The order in which a block of a residual layer is coded, for writers and readers alike (docs/format.md, "Residual
+// layer").
+#pragma once
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <cstdlib>
+#include <vector>
+
+#include "bitstream/residual_models.hpp"
+#include "bitstream/sample_predictor.hpp"
+
+namespace sgi {
+
+// A block of the picture: its size, whether its first three channels are red, green and blue, which channel is alpha
+// (-1 for none), the largest sample that its type has, and by how much samples of all channels but alpha may be off.
+struct ResidualShape {
+  int64_t width, height;
+  int channels;
+  bool is_rgb;
+  int alpha;
+  int32_t largest;
+  int32_t max_error;
+};
+
+// Codes the samples of a block, given what the rest of the stream draws there. `Bits` as in bitstream/texture_bits.hpp.
+template <class Bits>
+class ResidualCoding {
+ public:
+  ResidualCoding(const ResidualShape &shape, const PredictorKernel &kernel, Bits &bits) : shape_(shape), bits_(bits) {
+    for (int k = 0; k < shape.channels; ++k)
+      channels_.emplace_back(shape, kernel, k, channel_at(k) == shape.alpha ? 0 : shape.max_error);
+    for (int k = 0; k < std::min(shape.channels, kGroups); ++k) models_.emplace_back(kModels, 2 * kSets);
+  }
+
+  // samples and drawn [height, width, channels]. Leaves in `samples` what a reader finds; false where bits end.
+  bool code(uint16_t *samples, const uint16_t *drawn) {
+    drawn_ = drawn;
+    for (int64_t y = 0; y < shape_.height; ++y) {
+      for (int64_t left = 0; left < shape_.width; left += SamplePredictor::kSegment) {
+        for (Channel &channel : channels_) channel.predictor.solve(left / SamplePredictor::kSegment);
+        const int64_t right = std::min(shape_.width, left + SamplePredictor::kSegment);
+        for (int64_t x = left; x < right; ++x)
+          for (int k = 0; k < shape_.channels; ++k)
+            if (!code_sample(samples[(y * shape_.width + x) * shape_.channels + channel_at(k)], k, y, x)) return false;
+      }
+      for (Channel &channel : channels_) channel.predictor.fade();
+    }
+    return true;
+  }
+
+ private:
+  static constexpr int kPad = 2, kGroups = 3;               // channels from the third on share their models
+  static constexpr int kNear = 10, kDrawn = 4, kOther = 5;  // inputs: differences, those of what is drawn, of others
+  static constexpr int kNodes = 64, kClasses = 64, kSets = kNodes * kClasses;
+  static constexpr int kFraction = 16;     // predictions are in sixteenths of a level
+  static constexpr int kModelledBits = 2;  // of a distance's bits below its unit
+  static constexpr int kFarthest = 6;      // steps from a prediction to a guess that are told apart, either way
+  static constexpr std::array<uint32_t, ResidualModels::kMixed> kContexts{512, 3872, 2048, 1248, 1248};
+  static constexpr uint32_t kModels = (512 + 3872 + 2048 + 1248 + 1248) * kNodes;
+
+  // What is known of a sample that was coded.
+  struct Known {
+    int32_t difference = 0;             // from what is drawn
+    int32_t magnitude = 4 * kFraction;  // of the error of its prediction, in sixteenths of a step
+    int32_t value = 0;
+    std::array<int32_t, 2> misses{};  // steps from its guesses, up to kFarthest
+  };
+
+  // What is known of a channel. The plane has two more rows above, and two more columns on either side.
+  struct Channel {
+    Channel(const ResidualShape &shape, const PredictorKernel &kernel, int k, int32_t most_off)
+        : predictor(kernel, shape.width, prior(k)), max_error(most_off), step(2 * most_off + 1),
+          stride(shape.width + 2 * kPad), known(size_t((shape.height + kPad) * stride)) {}
+
+    // The weights where nothing is known: a plane through the neighbours, and the difference of the channel before.
+    static std::vector<double> prior(int k) {
+      std::vector<double> weights(size_t(kNear + kDrawn + std::min(k, 2) * kOther + (k ? kDrawn : 0) + 1), 0.0);
+      weights[0] = 0.4, weights[1] = 0.45, weights[2] = -0.15, weights[3] = 0.1;
+      if (k) weights[size_t(kNear + kDrawn + (std::min(k, 2) - 1) * kOther)] = 0.8;
+      return weights;
+    }
+    const Known *at(int64_t y, int64_t x) const { return &known[size_t((y + kPad) * stride + x + kPad)]; }
+    // How many steps lie between values, to the nearest.
+    int32_t steps(int32_t off) const { return (std::abs(off) + max_error) / step * (off < 0 ? -1 : 1); }
+
+    SamplePredictor predictor;
+    int32_t max_error, step;  // of samples; between values that a sample may have
+    int64_t stride;
+    std::vector<Known> known;
+  };
+
+  // Values that a sample often has exactly, and of which kind they are.
+  struct Guess {
+    int32_t value;
+    uint32_t kind;
+  };
+
+  // What the bits of a sample depend on.
+  struct Sample {
+    ResidualModels::Context context;  // of node 0
+    uint32_t first_set[2];            // second set of weights for the first bit, and for those that follow
+    int32_t guesses[2];
+    int group, spread;  // spread: how large the error is expected to be, in sixteenths of a step
+  };
+
+  // Green first: red and blue are predicted from it.
+  int channel_at(int k) const { return shape_.is_rgb && k < 2 ? 1 - k : k; }
+
+  int32_t drawn_at(int channel, int64_t y, int64_t x) const {
+    x = std::clamp<int64_t>(x, 0, shape_.width - 1), y = std::clamp<int64_t>(y, 0, shape_.height - 1);
+    return drawn_[(y * shape_.width + x) * shape_.channels + channel];
+  }
+
+  // How large a value is: 2^bits classes for each doubling.
+  static uint32_t size_class(uint32_t value, int bits, uint32_t classes) {
+    ++value;
+    const int log = 31 - __builtin_clz(value);
+    const uint32_t rest = (log >= bits ? value >> (log - bits) : value << (bits - log)) & ((1u << bits) - 1);
+    return std::min((uint32_t(log) << bits) + rest, classes - 1);
+  }
+
+  // Writes what a sample is predicted from; returns how much that is.
+  int inputs(int k, int64_t y, int64_t x, float *out) const {
+    constexpr int8_t near[kNear][2] = {{0, -1}, {-1, 0}, {-1, -1}, {-1, 1},  {0, -2},
+                                       {-2, 0}, {-2, 1}, {-1, 2},  {-2, -1}, {-1, -2}};
+    constexpr int8_t other[kOther][2] = {{0, 0}, {0, -1}, {-1, 0}, {-1, 1}, {-1, -1}};
+    int n = 0;
+    const Channel &own = channels_[size_t(k)];
+    for (const auto &[down, across] : near) out[n++] = float(own.at(y + down, x + across)->difference);
+    n += drawn_differences(channel_at(k), y, x, out + n);
+    for (int j = std::max(0, k - 2); j < k; ++j)
+      for (const auto &[down, across] : other)
+        out[n++] = float(channels_[size_t(j)].at(y + down, x + across)->difference);
+    if (k) n += drawn_differences(channel_at(k - 1), y, x, out + n);
+    const int32_t left = own.at(y, x - 1)->value, above = own.at(y - 1, x)->value;
+    const int32_t plane = left + above - own.at(y - 1, x - 1)->value;
+    out[n++] = float(std::clamp(plane, std::min(left, above), std::max(left, above)) - drawn_at(channel_at(k), y, x));
+    return n;
+  }
+
+  int drawn_differences(int channel, int64_t y, int64_t x, float *out) const {
+    const int32_t middle = drawn_at(channel, y, x);
+    out[0] = float(drawn_at(channel, y, x - 1) - middle), out[1] = float(drawn_at(channel, y - 1, x) - middle);
+    out[2] = float(drawn_at(channel, y, x + 1) - middle), out[3] = float(drawn_at(channel, y + 1, x) - middle);
+    return kDrawn;
+  }
+
+  bool code_sample(uint16_t &sample, int k, int64_t y, int64_t x) {
+    Channel &own = channels_[size_t(k)];
+    float values[kPredictorRow]{};
+    const int count = inputs(k, y, x, values);
+    const int32_t drawn = drawn_at(channel_at(k), y, x);
+    const double predicted = drawn + own.predictor.predict(values), most = shape_.largest;
+    const auto exact = int32_t(std::floor((predicted > 0 ? predicted < most ? predicted : most : 0) * kFraction + 0.5));
+    const int32_t middle = (exact + kFraction / 2) >> 4, fraction = exact - middle * kFraction;
+    const Sample context = sample_context(k, y, x, middle, fraction);
+    int32_t steps = own.steps(int32_t(sample) - middle);
+    if (!code_steps(context, own, middle, fraction >= 0, steps)) return false;
+    const int32_t found = std::clamp(middle + steps * own.step, 0, shape_.largest);
+    sample = uint16_t(found);
+    values[count] = float(found - drawn);
+    const auto spread = float(context.spread);
+    own.predictor.learn(values, 1 / (1 + spread * spread * (0.6f / (kFraction * kFraction))));
+    const auto miss = [&](int32_t guess) { return std::min(kFarthest, std::abs(own.steps(found - guess))); };
+    note(own, y, x,
+         {found - drawn,
+          std::abs((found * kFraction - exact) / own.step),
+          found,
+          {miss(context.guesses[0]), miss(context.guesses[1])}});
+    return true;
+  }
+
+  // Keeps what a sample was, also beyond the ends of a row.
+  void note(Channel &own, int64_t y, int64_t x, const Known &known) {
+    const int64_t first = x ? x : -kPad, last = x == shape_.width - 1 ? x + kPad : x;
+    for (int64_t i = first; i <= last; ++i) own.known[size_t(own.at(y, i) - own.known.data())] = known;
+  }
+
+  // What the channel before, or the neighbours, did here, this channel does: nothing down or across, or the same step.
+  Guess copied(int k, int64_t y, int64_t x) const {
+    const int64_t up = channels_[size_t(k)].stride;
+    const Known *own = channels_[size_t(k)].at(y, x);
+    const int32_t left = own[-1].value, above = own[-up].value, corner = own[-up - 1].value;
+    if (!k) return left == corner ? Guess{above, 1} : above == corner ? Guess{left, 2} : Guess{left, 0};
+    const Known *before = channels_[size_t(k - 1)].at(y, x);
+    if (before->value == before[-up].value) return {above, 1};
+    if (before->value == before[-1].value) return {left, 2};
+    return {left + before->value - before[-1].value, 3};
+  }
+
+  // The sample above, and the step that the first channel made from there.
+  Guess moved(int k, int64_t y, int64_t x, int32_t copy) const {
+    const int64_t up = channels_[size_t(k)].stride;
+    const int32_t above = channels_[size_t(k)].at(y, x)[-up].value;
+    if (!k) return {above, above == copy ? 0u : 3u};
+    const Known *first = channels_[0].at(y, x);
+    const int32_t value = above + first->value - first[-up].value;
+    return {value, value == copy ? 1u : 2u};
+  }
+
+  // Where a guess lies from the prediction, of which kind it is, and how good those around were.
+  uint32_t guess_context(const Channel &own, const Known *here, const Guess &guess, int number, int32_t middle) const {
+    const auto missed = [&](int64_t place) { return here[place].misses[size_t(number)]; };
+    const int32_t near = missed(-1) + missed(-own.stride), far = missed(-2) + missed(-2 * own.stride);
+    const int32_t doubt = (near < 3 ? near : near < 6 ? 3 : near < 9 ? 4 : 5) + (far > 2 ? 6 : 0);
+    const int32_t place = std::clamp(own.steps(guess.value - middle), -kFarthest, kFarthest) + kFarthest;
+    return (uint32_t(place) * 4 + guess.kind) * 12 + uint32_t(doubt);
+  }
+
+  Sample sample_context(int k, int64_t y, int64_t x, int32_t middle, int32_t fraction) const {
+    const Channel &own = channels_[size_t(k)];
+    const Known *here = own.at(y, x);
+    const int64_t up = own.stride;
+    const int32_t near = (4 * here[-1].magnitude + 4 * here[-up].magnitude + 2 * here[-up - 1].magnitude +
+                          2 * here[-up + 1].magnitude + here[-2].magnitude + here[-2 * up].magnitude) /
+                         14;
+    const int32_t before = k ? channels_[size_t(k - 1)].at(y, x)->magnitude : 0;
+    const int32_t earlier = k > 1 ? channels_[size_t(k - 2)].at(y, x)->magnitude : before;
+    const int32_t spread = !k       ? near
+                           : k == 1 ? (10 * near + 6 * before) / 16
+                                    : (10 * near + 3 * before + 3 * earlier) / 16;
+    const auto level = [](int32_t sixteenths) { return size_class(uint32_t(sixteenths / 4), 0, 11); };
+    const int c = channel_at(k);
+    const int32_t gradient = std::abs(drawn_at(c, y, x + 1) - drawn_at(c, y, x - 1)) +
+                             std::abs(drawn_at(c, y + 1, x) - drawn_at(c, y - 1, x));
+    const uint32_t quarter = own.step > 1 ? 1 : uint32_t(fraction + 8) >> 2, is_above = fraction >= 0;
+    const uint32_t coarse = size_class(uint32_t(spread), 1, 32);
+    const Guess copy = copied(k, y, x), move = moved(k, y, x, copy.value);
+    const std::array<uint32_t, ResidualModels::kMixed> context{
+        size_class(uint32_t(spread), 3, 128) * 4 + quarter, (coarse * 11 + level(before)) * 11 + level(earlier),
+        (shape_.largest == 255 ? uint32_t(middle) : uint32_t(middle) >> 8) * 8 + std::min(coarse / 2, 7u),
+        guess_context(own, here, copy, 0, middle) * 2 + is_above,
+        guess_context(own, here, move, 1, middle) * 2 + is_above};
+    Sample found{};
+    uint32_t start = 0;
+    for (size_t i = 0; i < ResidualModels::kMixed; ++i) {
+      found.context.model[i] = (start + context[i]) * kNodes;
+      start += kContexts[i];
+    }
+    found.context.weights[0] = size_class(uint32_t(spread), 2, kClasses);
+    found.first_set[0] = size_class(uint32_t(before / 4), 1, 32) * 2 + is_above;
+    found.first_set[1] = size_class(uint32_t(4 * gradient / own.step), 1, 24);
+    found.guesses[0] = copy.value, found.guesses[1] = move.value;
+    found.group = std::min(k, kGroups - 1), found.spread = spread;
+    return found;
+  }
+
+  bool bit(const Sample &sample, int node, int &value) {
+    ResidualModels::Context context = sample.context;
+    for (uint32_t &model : context.model) model += uint32_t(node);
+    context.weights[0] += uint32_t(node * kClasses);
+    context.weights[1] = uint32_t(kSets + node * kClasses) + sample.first_set[node > 1];
+    return models_[size_t(sample.group)].code(bits_, context, value);
+  }
+
+  // A sample in steps from the middle: on which side of the prediction, then how far.
+  bool code_steps(const Sample &sample, const Channel &own, int32_t middle, bool is_above, int32_t &steps) {
+    const int32_t least = -((middle + own.max_error) / own.step);
+    const int32_t most = (shape_.largest - middle + own.max_error) / own.step;
+    int up = is_above ? steps >= 1 : steps >= 0;
+    if (is_above ? most < 1 : least > -1)
+      up = !is_above;
+    else if (!bit(sample, is_above ? 0 : 1, up))
+      return false;
+    const int32_t edge = is_above ? up : up - 1;
+    int32_t distance = up ? steps - edge : edge - steps;
+    if (!code_distance(sample, up, up ? most - edge : edge - least, distance)) return false;
+    steps = up ? edge + distance : edge - distance;
+    return true;
+  }
+
+  // Runs whose unit follows from the spread, doubled from the fifth on; then the bits below the unit.
+  bool code_distance(const Sample &sample, int up, int32_t most, int32_t &distance) {
+    const int nodes = 2 + up * 31;
+    const int log = sample.spread < 32 ? 0 : 30 - __builtin_clz(uint32_t(sample.spread >> 4));
+    int32_t start = 0, runs = 0, size = log;
+    while (start + (1 << size) <= most) {
+      int more = distance >= start + (1 << size);
+      if (!bit(sample, nodes + std::min(runs, 11), more)) return false;
+      if (!more) break;
+      start += 1 << size;
+      if (++runs >= 4) ++size;
+    }
+    int32_t rest = distance - start, known = 0;
+    for (int place = size - 1, depth = 0; place >= 0; --place, ++depth) {
+      int next = rest >> place & 1;
+      const int node = nodes + 12 + std::min(runs, 4) * 3 + (depth ? 1 + (known & 1) : 0);
+      if (depth < kModelledBits ? !bit(sample, node, next) : !bits_.code(kCertain / 2, next)) return false;
+      known = known * 2 + next;
+    }
+    distance = start + known;
+    return true;
+  }
+
+  const ResidualShape shape_;
+  Bits &bits_;
+  const uint16_t *drawn_ = nullptr;
+  std::vector<Channel> channels_;
+  std::vector<ResidualModels> models_;
+};
+
+}  // namespace sgi

@@ -1,0 +1,120 @@
+#include "decoder/exact_blocks.hpp"
+
+#include <algorithm>
+#include <string>
+
+#include "base/error.hpp"
+#include "base/thread_pool.hpp"
+
+namespace sgi {
+
+namespace {
+
+ResidualTable table_of(StreamReader &chunks) {
+  const auto start = chunks.residual(0, longest_residual_table(chunks.header()));
+  return read_residual_table(chunks.header(), {start.data(), start.size()}, chunks.residual_bytes());
+}
+
+template <class T>
+void copy_row(const uint16_t *from, int64_t count, void *to) {
+  std::copy_n(from, count, static_cast<T *>(to));
+}
+
+}  // namespace
+
+ExactBlocks::ExactBlocks(StreamReader &chunks, const DecoderSettings &settings)
+    : chunks_(chunks), settings_(settings), across_(residual_blocks(chunks.header().width)), table_(table_of(chunks)) {}
+
+void ExactBlocks::fill(int64_t x, int64_t y, const PixelBlock &out, const Draw &draw) {
+  const int64_t last_row = (y + out.rows - 1) / kResidualBlock, last = (x + out.columns - 1) / kResidualBlock;
+  for (int64_t row = y / kResidualBlock; row <= last_row; ++row) {
+    std::vector<int64_t> missing;
+    ++uses_;
+    for (int64_t column = x / kResidualBlock; column <= last; ++column) {
+      const auto found = blocks_.find(row * across_ + column);
+      if (found == blocks_.end())
+        missing.push_back(row * across_ + column);
+      else
+        found->second.use = uses_;
+    }
+    decode(missing, draw);
+    for (int64_t column = x / kResidualBlock; column <= last; ++column) copy(row * across_ + column, x, y, out);
+    forget();
+  }
+}
+
+ExactBlocks::Place ExactBlocks::place(int64_t number) const {
+  const int64_t x = number % across_ * kResidualBlock, y = number / across_ * kResidualBlock;
+  const Header &header = chunks_.header();
+  return {x, y, std::min(kResidualBlock, header.width - x), std::min(kResidualBlock, header.height - y)};
+}
+
+void ExactBlocks::decode(const std::vector<int64_t> &numbers, const Draw &draw) {
+  const auto at_once = size_t(resolve_threads(settings_.threads));
+  for (size_t first = 0; first < numbers.size(); first += at_once) {
+    const size_t count = std::min(at_once, numbers.size() - first);
+    std::vector<std::vector<uint16_t>> shown(count), samples(count);
+    std::vector<std::vector<uint8_t>> bytes(count);
+    for (size_t i = 0; i < count; ++i) {
+      const ResidualTable::Block &block = table_.blocks[size_t(numbers[first + i])];
+      bytes[i] = chunks_.residual(block.offset, block.bytes);
+      shown[i] = drawn(place(numbers[first + i]), draw);
+      samples[i].resize(shown[i].size());
+    }
+    parallel_for(int64_t(count), settings_.threads, [&](int64_t i) {
+      const int64_t number = numbers[first + size_t(i)];
+      const Place where = place(number);
+      const std::vector<uint8_t> &given = bytes[size_t(i)];
+      decode_residual(residual_shape(chunks_.header(), where.width, where.height, table_.max_error), settings_.isa,
+                      {given.data(), given.size()}, table_.blocks[size_t(number)].crc, shown[size_t(i)].data(),
+                      samples[size_t(i)].data());
+    });
+    for (size_t i = 0; i < count; ++i) {
+      bytes_ += int64_t(samples[i].size() * sizeof(uint16_t));
+      blocks_[numbers[first + i]] = {std::move(samples[i]), uses_};
+    }
+  }
+}
+
+std::vector<uint16_t> ExactBlocks::drawn(const Place &place, const Draw &draw) const {
+  const auto count = size_t(place.width * place.height * chunks_.header().spec.channels);
+  std::vector<uint16_t> samples(count);
+  const int64_t stride = place.width * chunks_.header().spec.channels;
+  if (chunks_.header().sample_type == SampleType::u16) {
+    draw(place, {samples.data(), place.width, place.height, stride});
+    return samples;
+  }
+  std::vector<uint8_t> bytes(count);
+  draw(place, {bytes.data(), place.width, place.height, stride});
+  std::copy(bytes.begin(), bytes.end(), samples.begin());
+  return samples;
+}
+
+void ExactBlocks::copy(int64_t number, int64_t x, int64_t y, const PixelBlock &out) const {
+  const Place from = place(number);
+  const int64_t left = std::max(x, from.x), right = std::min(x + out.columns, from.x + from.width);
+  const int64_t top = std::max(y, from.y), bottom = std::min(y + out.rows, from.y + from.height);
+  const int64_t channels = chunks_.header().spec.channels, count = (right - left) * channels;
+  const bool is_u16 = chunks_.header().sample_type == SampleType::u16;
+  const uint16_t *samples = blocks_.at(number).samples.data();
+  for (int64_t row = top; row < bottom; ++row) {
+    const uint16_t *source = samples + ((row - from.y) * from.width + left - from.x) * channels;
+    const int64_t target = (row - y) * out.stride + (left - x) * channels;
+    if (is_u16)
+      copy_row<uint16_t>(source, count, static_cast<uint16_t *>(out.first) + target);
+    else
+      copy_row<uint8_t>(source, count, static_cast<uint8_t *>(out.first) + target);
+  }
+}
+
+void ExactBlocks::forget() {
+  while (bytes_ > settings_.cache_bytes) {
+    const auto oldest = std::min_element(blocks_.begin(), blocks_.end(),
+                                         [](const auto &a, const auto &b) { return a.second.use < b.second.use; });
+    if (oldest == blocks_.end() || oldest->second.use == uses_) return;
+    bytes_ -= int64_t(oldest->second.samples.size() * sizeof(uint16_t));
+    blocks_.erase(oldest);
+  }
+}
+
+}  // namespace sgi

@@ -1,0 +1,53 @@
+// The blocks of a residual layer, decoded as they are needed, over what the rest of the stream draws.
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <vector>
+
+#include "bitstream/residual_layer.hpp"
+#include "bitstream/stream_reader.hpp"
+#include "decoder/samples.hpp"
+#include "decoder/tile_renderer.hpp"
+
+namespace sgi {
+
+// Those used last are kept, in as many bytes as tiles are, and at least those of one row of a view. Not safe for use by
+// two threads at once.
+class ExactBlocks {
+ public:
+  // A region of the picture.
+  struct Place {
+    int64_t x, y, width, height;
+  };
+  // Draws a region into samples [height, width, channels] of the source's type without the layer.
+  using Draw = std::function<void(const Place &, const PixelBlock &)>;
+
+  // Throws Error (corrupt).
+  ExactBlocks(StreamReader &chunks, const DecoderSettings &settings);
+
+  int32_t max_error() const { return table_.max_error; }
+  // Fills samples of the source's type with the region whose first pixel is (x, y). Throws Error (corrupt).
+  void fill(int64_t x, int64_t y, const PixelBlock &out, const Draw &draw);
+
+ private:
+  struct Kept {
+    std::vector<uint16_t> samples;
+    int64_t use;  // when it was used last
+  };
+
+  Place place(int64_t number) const;
+  void decode(const std::vector<int64_t> &numbers, const Draw &draw);
+  std::vector<uint16_t> drawn(const Place &place, const Draw &draw) const;
+  void copy(int64_t number, int64_t x, int64_t y, const PixelBlock &out) const;
+  void forget();
+
+  StreamReader &chunks_;
+  const DecoderSettings settings_;
+  const int64_t across_;  // blocks of a row
+  const ResidualTable table_;
+  std::map<int64_t, Kept> blocks_;
+  int64_t bytes_ = 0, uses_ = 0;
+};
+
+}  // namespace sgi

@@ -1,0 +1,90 @@
+"""`sgi refine` and `sgi strip`: the residual layer of a stream is added later, and taken off."""
+
+from __future__ import annotations
+
+import io
+from contextlib import ExitStack
+from pathlib import Path
+
+import click
+
+from sgicodec.cli.command import HelpfulCommand
+from sgicodec.cli.options import complete_files, force_option, quiet_option, threads_option
+from sgicodec.cli.paths import check_output, display, naming_stream
+from sgicodec.device import Device
+
+__all__ = ["refine", "strip"]
+
+
+@click.command(
+    cls=HelpfulCommand,
+    short_help="Add a residual layer: every sample exact, or near it.",
+    common=("max_error",),
+    examples=(("sgi refine photo.png photo.sgi exact.sgi", "the stream of a photograph becomes lossless"),),
+)
+@click.argument("picture", metavar="PICTURE", shell_complete=complete_files)
+@click.argument("source", metavar="IN", shell_complete=complete_files)
+@click.argument("target", metavar="OUT", shell_complete=complete_files)
+@click.option("--max-error", type=click.IntRange(0), default=0, show_default=True, metavar="N", help="As in encode.")
+@threads_option
+@force_option
+@quiet_option
+def refine(picture: str, source: str, target: str, max_error: int, threads: int, force: bool, quiet: bool) -> None:
+    """Copy stream IN, made from PICTURE, into stream OUT with a residual layer: no sample is off by more than N.
+
+    A residual layer that IN has is replaced. The rest of the stream stays as it is.
+    """
+    from sgicodec.decoder.stream import open_stream
+    from sgicodec.encoder.input.windows import windows_of, without_needless_alpha
+    from sgicodec.encoder.plan import stream_plan
+    from sgicodec.encoder.progress import NullListener
+    from sgicodec.encoder.residual import residual_layer
+    from sgicodec.encoder.settings import EncodeSettings
+    from sgicodec.image.source import open_to_encode
+
+    check_output(target, source, force)
+    device = Device(threads)
+    with ExitStack() as stack:
+        opened = stack.enter_context(open_to_encode(picture, lambda text: None))
+        stack.enter_context(naming_stream(source))
+        stream = stack.enter_context(open_stream(_bytes_of(source), device))
+        windows = windows_of(opened)
+        if windows.shape.bands > stream.header.spec.channels:
+            windows, _ = without_needless_alpha(windows, stream_plan(windows.shape, EncodeSettings()), NullListener())
+        layer = residual_layer(stream, windows, max_error, device)
+    _rewritten(source, target, layer, quiet)
+
+
+@click.command(
+    cls=HelpfulCommand,
+    short_help="Take the residual layer off.",
+    examples=(("sgi strip exact.sgi small.sgi", "the lossy picture alone"),),
+)
+@click.argument("source", metavar="IN", shell_complete=complete_files)
+@click.argument("target", metavar="OUT", shell_complete=complete_files)
+@force_option
+@quiet_option
+def strip(source: str, target: str, force: bool, quiet: bool) -> None:
+    """Copy stream IN into stream OUT without its residual layer; the rest stays as it is."""
+    from sgicodec.decoder.stream import open_stream
+
+    check_output(target, source, force)
+    with naming_stream(source), open_stream(_bytes_of(source)):
+        pass  # it is a stream
+    _rewritten(source, target, None, quiet)
+
+
+def _bytes_of(source: str) -> bytes:
+    with naming_stream(source):
+        return Path(source).read_bytes()
+
+
+def _rewritten(source: str, target: str, layer: bytes | None, quiet: bool) -> None:
+    from sgicodec.bitstream.rewriting import rewrite_stream
+    from sgicodec.files.whole import whole_file
+
+    with naming_stream(target), whole_file(Path(target)) as file:
+        size = rewrite_stream(io.BytesIO(_bytes_of(source)), file, layer)
+    if not quiet:
+        of = "" if layer is None else f", of which {len(layer):,} are the residual layer"
+        click.echo(f"{display(target)}: {size:,} bytes{of}")

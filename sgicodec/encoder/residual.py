@@ -1,0 +1,82 @@
+"""The residual layer: what a stream lacks to be its picture, or near it (docs/format.md, "Residual layer")."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterator
+from concurrent.futures import Future, ThreadPoolExecutor
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sgicodec import _native
+from sgicodec.bitstream.entropy.symbol_writer import range_coded
+from sgicodec.bitstream.header import Header, encode_header
+from sgicodec.bitstream.varint import encode_varint
+from sgicodec.decoder.stream import Stream
+from sgicodec.device import Device
+from sgicodec.encoder.input.windows import Windows
+from sgicodec.encoder.plan import check_residual
+from sgicodec.errors import PictureError
+
+__all__ = ["residual_layer"]
+
+_CRC_BYTES = 4
+
+
+def residual_layer(stream: Stream, windows: Windows, max_error: int, device: Device) -> bytes:
+    """The payload of the residual layer that brings an opened stream to the picture of `windows`, but for `max_error`
+    levels. Alpha is exact. A layer that the stream has is left aside.
+
+    Raises UsageError as `check_residual`, PictureError for a picture that is not the stream's.
+    """
+    header, stream.lossy = stream.header, True
+    check_residual(header, max_error)
+    _check_shape(header, windows)
+    blocks, whole = [], encode_header(header)
+    with ThreadPoolExecutor(device.cores) as pool:
+        waiting: deque[Future[_Block]] = deque()
+        for rect in _rects(header):
+            given, drawn = _samples(windows.read(*rect).pixels), _samples(stream.picture(rect).pixels)
+            waiting.append(pool.submit(_coded, given, drawn, whole, max_error))
+            if len(waiting) > device.cores:
+                blocks.append(waiting.popleft().result())
+        blocks += [block.result() for block in waiting]
+    table = [encode_varint(len(block.data)) + block.crc.to_bytes(_CRC_BYTES, "little") for block in blocks]
+    return b"".join([encode_varint(max_error), *table, *(block.data for block in blocks)])
+
+
+class _Block(NamedTuple):
+    """A coded block, and the CRC-32 of its samples."""
+
+    data: bytes
+    crc: int
+
+
+def _coded(samples: NDArray[np.uint16], drawn: NDArray[np.uint16], header: bytes, max_error: int) -> _Block:
+    bits, ones, crc = _native.code_residual(samples, drawn, header, max_error)
+    return _Block(range_coded(bits, ones), crc)
+
+
+def _samples(pixels: NDArray[Any]) -> NDArray[np.uint16]:
+    return np.ascontiguousarray(pixels, np.uint16)
+
+
+def _rects(header: Header) -> Iterator[tuple[int, int, int, int]]:
+    """The blocks (x, y, width, height) of a picture, in rows."""
+    side = _native.RESIDUAL_BLOCK
+    for y in range(0, header.height, side):
+        for x in range(0, header.width, side):
+            yield x, y, min(side, header.width - x), min(side, header.height - y)
+
+
+def _check_shape(header: Header, windows: Windows) -> None:
+    shape = windows.shape
+    found = (shape.width, shape.height, shape.bands, str(shape.dtype))
+    wanted = (header.width, header.height, header.spec.channels, header.sample_type)
+    if found != wanted:
+        names = [
+            f"{width}×{height} pixels, {bands} channels, {dtype}" for width, height, bands, dtype in (found, wanted)
+        ]
+        raise PictureError(f"the picture has {names[0]}, the stream {names[1]}")

@@ -1,0 +1,226 @@
+"""Residual layers as docs/format.md says, sample by sample: it checks that the page says all that there is to say."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["block"]
+
+F32 = np.float32
+NEAR = ((0, -1), (-1, 0), (-1, -1), (-1, 1), (0, -2), (-2, 0), (-2, 1), (-1, 2), (-2, -1), (-1, -2))
+OTHER = ((0, 0), (0, -1), (-1, 0), (-1, 1), (-1, -1))
+CROSS = ((0, -1), (-1, 0), (0, 1), (1, 0))
+
+Code = Callable[[int], int]
+"""Gives the next bit, of P(1) in 2^-16."""
+
+
+def block(
+    drawn: NDArray[np.uint16], order: list[int], steps: list[int], largest: int, code: Code
+) -> NDArray[np.uint16]:
+    """Samples [h, w, C] of a block, uint16. order: channels as they are coded; steps: Δ of each in that order."""
+    height, width, _ = drawn.shape
+    out = np.zeros_like(drawn)
+    channels = [_Channel(k, drawn[..., c].astype(int), steps[k], largest) for k, c in enumerate(order)]
+    models = [_Models() for _ in range(min(3, len(order)))]
+    for y in range(height):
+        for x in range(width):
+            for k, channel in enumerate(channels):
+                if x % 32 == 0 and k == 0:
+                    for each in channels:
+                        each.solve(x // 32)
+                value = channel.sample(channels, y, x, lambda n, m, w, k=k: models[min(k, 2)].bit(code, n, m, w))
+                out[y, x, order[k]] = value
+        for channel in channels:
+            channel.sums *= F32(0.9)
+    return out
+
+
+class _Channel:
+    def __init__(self, k: int, drawn: NDArray[np.int_], step: int, largest: int) -> None:
+        self.k, self.drawn, self.step, self.largest = k, drawn, step, largest
+        height, width = drawn.shape
+        self.n = 15 + 5 * min(k, 2) + 4 * (k > 0)
+        self.prior = np.zeros(self.n)
+        self.prior[:4] = 0.4, 0.45, -0.15, 0.1
+        if k:
+            self.prior[14 + 5 * (min(k, 2) - 1)] = 0.8
+        self.sums = np.zeros(((width + 31) // 32, self.n + 1, self.n + 1), F32)
+        self.weights = self.prior
+        self.e = np.zeros((height + 2, width + 4), int)
+        self.magnitude = np.full((height + 2, width + 4), 64)
+        self.value = np.zeros((height + 2, width + 4), int)
+        self.misses = np.zeros((2, height + 2, width + 4), int)
+
+    def solve(self, segment: int) -> None:
+        last, n = len(self.sums) - 1, self.n
+        self.segment = segment
+        own, left, right = (self.sums[min(last, max(0, s))].astype(float) for s in (segment, segment - 1, segment + 1))
+        total = own + 0.6 * (left + right)
+        matrix, inverse, weights = total.copy(), np.zeros(n), np.zeros(n)
+        for i in range(n):
+            matrix[i, i] += 4
+            matrix[i, n] += 4 * self.prior[i]
+        for k in range(n):
+            inverse[k] = 1 / math.sqrt(matrix[k, k]) if matrix[k, k] > 1e-6 * (total[k, k] + 4) else 0
+            matrix[k, k + 1 :] *= inverse[k]
+            for i in range(k + 1, n):
+                matrix[i, i:] -= matrix[k, i] * matrix[k, i:]
+        for i in range(n - 1, -1, -1):
+            weights[i] = matrix[i, n] * inverse[i]
+            matrix[:i, n] -= matrix[:i, i] * weights[i]
+        self.weights = weights
+
+    def d(self, y: int, x: int) -> int:
+        height, width = self.drawn.shape
+        return int(self.drawn[min(height - 1, max(0, y)), min(width - 1, max(0, x))])
+
+    def cross(self, y: int, x: int) -> list[int]:
+        return [self.d(y + down, x + across) - self.d(y, x) for down, across in CROSS]
+
+    def sample(self, channels: list[_Channel], y: int, x: int, bit: Callable[..., int]) -> int:
+        k, v, j = self.k, y + 2, x + 2
+        inputs = [self.e[v + down, j + across] for down, across in NEAR] + self.cross(y, x)
+        for other in channels[max(0, k - 2) : k]:
+            inputs += [other.e[v + down, j + across] for down, across in OTHER]
+        inputs += channels[k - 1].cross(y, x) if k else []
+        drawn = self.d(y, x)
+        left, above, corner = (int(self.value[v + down, j + across]) for down, across in ((0, -1), (-1, 0), (-1, -1)))
+        inputs.append(min(max(left + above - corner, min(left, above)), max(left, above)) - drawn)
+        total = 0.0
+        for weight, value in zip(self.weights, inputs, strict=True):
+            total += weight * float(value)
+        p = math.floor(16 * min(float(self.largest), max(0.0, drawn + total)) + 0.5)
+        middle = (p + 8) >> 4
+        f = p - 16 * middle
+        guesses = self.guesses(channels, v, j)
+        spread, numbers, sets = self.context(channels, v, j, y, x, middle, f)
+        for i, (guess, kind) in enumerate(guesses):
+            place = min(6, max(-6, self.steps(guess - middle))) + 6
+            numbers.append((6432, 7680)[i] + ((place * 4 + kind) * 12 + self.doubt(i, v, j)) * 2 + (f >= 0))
+
+        def coded(node: int) -> int:
+            return bit(node, [64 * number + node for number in numbers], [s[node > 1] + 64 * node for s in sets])
+
+        most_off = (self.step - 1) // 2
+        low, high = -((middle + most_off) // self.step), (self.largest - middle + most_off) // self.step
+        if f >= 0:
+            up = coded(0) if high >= 1 else 0
+            start = 1 if up else 0
+        else:
+            up = coded(1) if low <= -1 else 1
+            start = 0 if up else -1
+        distance = _distance(coded, spread, 33 if up else 2, high - start if up else start - low)
+        steps = start + distance if up else start - distance
+        found = min(self.largest, max(0, middle + self.step * steps))
+        self.learn([*inputs, found - drawn], spread)
+        for column in range(0 if x == 0 else j, (j + 3) if x == self.drawn.shape[1] - 1 else j + 1):
+            self.e[v, column], self.value[v, column] = found - drawn, found
+            self.magnitude[v, column] = abs(16 * found - p) // self.step
+            for i, (guess, _) in enumerate(guesses):
+                self.misses[i, v, column] = min(6, abs(self.steps(found - guess)))
+        return found
+
+    def learn(self, values: list[int], spread: int) -> None:
+        s = F32(spread)
+        weight = F32(1) / (F32(1) + s * s * (F32(0.6) / F32(256)))
+        v = np.array(values, F32)
+        self.sums[self.segment] += (v * weight)[:, None] * v[None, :]
+
+    def steps(self, off: int) -> int:
+        return (abs(off) + (self.step - 1) // 2) // self.step * (1 if off >= 0 else -1)
+
+    def guesses(self, channels: list[_Channel], v: int, j: int) -> list[tuple[int, int]]:
+        def values(channel: _Channel) -> list[int]:
+            return [int(channel.value[v + a, j + b]) for a, b in ((0, 0), (0, -1), (-1, 0), (-1, -1))]
+
+        _, left, above, corner = values(self)
+        if self.k == 0:
+            copied = (above, 1) if left == corner else (left, 2) if above == corner else (left, 0)
+            return [copied, (above, 0 if above == copied[0] else 3)]
+        here, there, up, _ = values(channels[self.k - 1])
+        copied = (above, 1) if here == up else (left, 2) if here == there else (left + here - there, 3)
+        first, _, first_above, _ = values(channels[0])
+        moved = above + first - first_above
+        return [copied, (moved, 1 if moved == copied[0] else 2)]
+
+    def doubt(self, i: int, v: int, j: int) -> int:
+        m = self.misses[i]
+        near, far = int(m[v, j - 1] + m[v - 1, j]), int(m[v, j - 2] + m[v - 2, j])
+        return (near if near < 3 else 3 if near < 6 else 4 if near < 9 else 5) + (6 if far > 2 else 0)
+
+    def context(
+        self, channels: list[_Channel], v: int, j: int, y: int, x: int, middle: int, f: int
+    ) -> tuple[int, list[int], list[tuple[int, int]]]:
+        k, m = self.k, self.magnitude
+        left, above, la, ra = (int(m[v + a, j + b]) for a, b in ((0, -1), (-1, 0), (-1, -1), (-1, 1)))
+        near = (4 * left + 4 * above + 2 * la + 2 * ra + int(m[v, j - 2]) + int(m[v - 2, j])) // 14
+        b = int(channels[k - 1].magnitude[v, j]) if k else 0
+        c = int(channels[k - 2].magnitude[v, j]) if k > 1 else b
+        s = near if k == 0 else (10 * near + 6 * b) // 16 if k == 1 else (10 * near + 3 * b + 3 * c) // 16
+        g = abs(self.d(y, x + 1) - self.d(y, x - 1)) + abs(self.d(y + 1, x) - self.d(y - 1, x))
+        s5, slope = _size(s, 1, 32), _size(4 * g // self.step, 1, 24)
+        q = (f + 8) >> 2 if self.step == 1 else 1
+        numbers = [
+            4 * _size(s, 3, 128) + q,
+            512 + (s5 * 11 + _size(b // 4, 0, 11)) * 11 + _size(c // 4, 0, 11),
+            4384 + 8 * (middle if self.largest == 255 else middle >> 8) + min(7, s5 // 2),
+        ]
+        first = _size(s, 2, 64)
+        return s, numbers, [(first, first), (4096 + 2 * _size(b // 4, 1, 32) + (f >= 0), 4096 + slope)]
+
+
+def _size(value: int, part: int, classes: int) -> int:
+    u = value + 1
+    log = u.bit_length() - 1
+    rest = (u >> (log - part) if log >= part else u << (part - log)) & ((1 << part) - 1)
+    return min(classes - 1, (log << part) + rest)
+
+
+def _distance(coded: Callable[[int], int], spread: int, o: int, most: int) -> int:
+    size = 0 if spread < 32 else (spread >> 4).bit_length() - 2
+    start = runs = rest = 0
+    while start + (1 << size) <= most and coded(o + min(runs, 11)):
+        start += 1 << size
+        runs += 1
+        size += runs >= 4
+    for depth in range(size):
+        node = o + 12 + 3 * min(runs, 4) + (1 + rest if depth else 0)
+        rest = 2 * rest + coded(node if depth < 2 else -1)
+    return start + rest
+
+
+class _Models:
+    def __init__(self) -> None:
+        self.p: dict[int, int] = {}
+        self.seen: dict[int, int] = {}
+        self.weights: dict[int, list[int]] = {}
+
+    def bit(self, code: Code, node: int, numbers: list[int], sets: list[int]) -> int:
+        if node < 0:
+            return code(32768)
+        logits = [_logit(self.p.get(number, 32768) >> 4) for number in numbers]
+        first, second = (self.weights.setdefault(one, [12000] * 5) for one in sets)
+        total = sum((a + b) * logit for a, b, logit in zip(first, second, logits, strict=True)) >> 17
+        one = _logistic(min(3071, max(-3072, total)))
+        bit = code(one)
+        for weights in (first, second):
+            for i, logit in enumerate(logits):
+                weights[i] = min(1 << 20, max(-(1 << 20), weights[i] + ((logit * (65536 * bit - one)) >> 14)))
+        for number in numbers:
+            p, seen = self.p.get(number, 32768), self.seen.get(number, 0)
+            self.p[number] = p + (((65535 * bit - p) * (655360 // (10 * seen + 16))) >> 16)
+            self.seen[number] = min(seen + 1, 150)
+        return bit
+
+
+def _logit(index: int) -> int:
+    return round(256 * math.log((2 * index + 1) / (8191 - 2 * index)))
+
+
+def _logistic(x: int) -> int:
+    return min(65519, max(16, round(65536 / (1 + math.exp(-x / 256)))))

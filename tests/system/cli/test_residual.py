@@ -1,0 +1,60 @@
+"""`sgi encode --lossless`, `--max-error`, `sgi decode --lossy`, `sgi refine`, `sgi strip`."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+from click.testing import Result
+
+from sgicodec import read
+
+Run = Callable[..., Result]
+
+
+def test_a_picture_comes_back(sgi: Run, picture: Path, tmp_path: Path) -> None:
+    out, back, lossy = tmp_path / "a.sgi", tmp_path / "a.png", tmp_path / "b.png"
+    result = sgi("encode", picture, out, "--lossless", "--steps", 20)
+    assert result.exit_code == 0
+    assert "without loss" in result.stdout
+    assert sgi("decode", out, back).exit_code == 0
+    np.testing.assert_array_equal(read(back).pixels, read(picture).pixels)
+    assert sgi("decode", out, lossy, "--lossy").exit_code == 0
+    assert (read(lossy).pixels != read(picture).pixels).any()
+    facts = json.loads(sgi("info", out, "--json").stdout)
+    assert facts["max_error"] == 0
+    assert facts["parts"]["residual"] > 0
+    assert sum(facts["parts"].values()) == out.stat().st_size
+    assert "no sample is off" not in sgi("info", out).stdout
+    assert "without loss" in sgi("info", out).stdout
+
+
+def test_it_is_added_and_taken_off(sgi: Run, picture: Path, tmp_path: Path) -> None:
+    plain, near, again = tmp_path / "a.sgi", tmp_path / "b.sgi", tmp_path / "c.sgi"
+    assert sgi("encode", picture, plain, "--steps", 20).exit_code == 0
+    result = sgi("refine", picture, plain, near, "--max-error", 3)
+    assert (result.exit_code, result.stdout.count("\n")) == (0, 1)
+    assert "residual layer" in result.stdout
+    assert "at most 3 levels" in sgi("info", near).stdout
+    back = tmp_path / "near.png"
+    assert sgi("decode", near, back).exit_code == 0
+    assert 0 < np.abs(read(back).pixels.astype(int) - read(picture).pixels).max() <= 3
+    assert sgi("strip", near, again, "--quiet").stdout == ""
+    assert again.read_bytes() == plain.read_bytes()
+
+
+def test_refusals(sgi: Run, picture: Path, tmp_path: Path) -> None:
+    out = tmp_path / "a.sgi"
+    result = sgi("encode", picture, out, "--lossless", "--max-error", 2)
+    assert (result.exit_code, result.stderr) == (2, "sgi: --lossless and --max-error exclude each other\n")
+    assert sgi("encode", picture, out, "--max-error", 255).exit_code == 2
+    assert not out.exists()
+    result = sgi("strip", picture, out)
+    assert (result.exit_code, result.stderr.count("\n")) == (4, 1)
+    assert sgi("encode", picture, out, "--steps", 20).exit_code == 0
+    before = out.read_bytes()
+    assert sgi("strip", out, out).exit_code == 2
+    assert sgi("refine", tmp_path / "none.png", out, tmp_path / "b.sgi").exit_code == 3
+    assert out.read_bytes() == before
