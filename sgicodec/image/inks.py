@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import struct
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -37,18 +36,12 @@ def extra_samples(data: Bytes, spec: ImageSpec) -> list[int] | None:
     """What a TIFF file says of the samples that follow its four inks; None for all other files."""
     if spec.get_int_attribute("tiff:PhotometricInterpretation", -1) != _SEPARATED or spec.nchannels < 5:
         return None
-    try:
-        found = ifd.load(data, {_INK_SET, _EXTRA_SAMPLES})
-    except struct.error:
+    found = ifd.entries(data, {_INK_SET, _EXTRA_SAMPLES})
+    if _INK_SET in found and found[_INK_SET].short != _CMYK:
         return None
-    ink_set, extra = (entry.data if isinstance(entry, ifd.Entry) else b"" for entry in map(found.get, _TAGS))
-    if ink_set and int.from_bytes(ink_set[:2], "little") != _CMYK:
-        return None
+    extra = found[_EXTRA_SAMPLES].data if _EXTRA_SAMPLES in found else b""
     stated = [int(value) for value in np.frombuffer(extra[: len(extra) // 2 * 2], "<u2")]
     return (stated + [0] * spec.nchannels)[: spec.nchannels - 4]
-
-
-_TAGS = (_INK_SET, _EXTRA_SAMPLES)
 
 
 class Inks:

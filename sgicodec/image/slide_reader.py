@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import struct
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -51,11 +50,8 @@ def is_slide(path: Path) -> bool:
             return bytes(data[: len(_OTHERS[suffix])]) == _OTHERS[suffix]
         if suffix != ".svs":
             return ifd.layout(data) is not None
-        try:
-            entry = ifd.load(data, {_COMPRESSION}).get(_COMPRESSION)
-        except struct.error:
-            return False
-    return isinstance(entry, ifd.Entry) and int.from_bytes(entry.data[:2], "little") in _JPEG_2000
+        entry = ifd.entries(data, {_COMPRESSION}).get(_COMPRESSION)
+    return entry is not None and entry.short in _JPEG_2000
 
 
 class SlideReader:
@@ -80,7 +76,7 @@ class SlideReader:
         sizes = [properties.get(f"openslide.mpp-{axis}") for axis in "xy"]
         profile = self._slide.color_profile
         icc = None if profile is None else profile.tobytes()
-        return Metadata(icc=icc, exif=_description(properties), geo=_resolution(sizes))
+        return Metadata(icc=icc, exif=_description(properties), geo=geo.pack(resolution_tags(sizes)))
 
     def spec(self) -> ImageSpec:
         """The header in OpenImageIO's terms."""
@@ -157,11 +153,6 @@ def _description(properties: Mapping[str, str]) -> bytes | None:
     vendor = re.sub(r"[^a-z0-9-]", "", properties.get("openslide.vendor", ""))[:40]
     text = f"{vendor}|AppMag = {power}".encode() + b"\0"
     return b"II*\0\x08\0\0\0" + ifd.dump({DESCRIPTION: ifd.Entry(_ASCII, text)}, 8)
-
-
-def _resolution(microns: list[str | None]) -> bytes | None:
-    """The `geo` blob of pixels of this size."""
-    return geo.pack(resolution_tags(microns))
 
 
 def _reason(error: Exception) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import struct
 import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -24,8 +23,8 @@ __all__ = ["TiffReader", "left_to_gdal"]
 Samples = npt.NDArray[Any]
 
 _COMPRESSION, _STRIPS, _STRIP_BYTES, _TILES, _TILE_BYTES = 259, 273, 279, 324, 325
-_KNOWN = (1, 2, 3, 4, 5, 6, 7, 8, 32766, 32771, 32773, 32809, 32946, 34676, 34677, 50001)
-"""Compressions that OpenImageIO's libtiff reads."""
+_KNOWN = (0, 1, 2, 3, 4, 5, 6, 7, 8, 32766, 32771, 32773, 32809, 32946, 34676, 34677, 50001)
+"""Compressions that OpenImageIO's libtiff reads; 0 where none is stated."""
 _NAMES = {50000: "ZSTD", 34887: "LERC", 34925: "LZMA", 50002: "JPEG XL", 52546: "JPEG XL", 34712: "JPEG 2000"}
 
 _WIDTHS = {3: 2, 4: 4, 16: 8}
@@ -41,29 +40,20 @@ _PROGRAM = "convert it first, as with gdal_translate -co COMPRESS=DEFLATE IN a.t
 
 def left_to_gdal(data: Bytes) -> str | None:
     """Why OpenImageIO does not read the samples of the first page of a TIFF file; None if it does."""
-    try:
-        found = ifd.load(data, {_COMPRESSION, _STRIPS, _STRIP_BYTES, _TILES, _TILE_BYTES})
-    except struct.error:
-        return None
-    compression = int.from_bytes(_data(found, _COMPRESSION)[:2], "little") or 1
+    found = ifd.entries(data, {_COMPRESSION, _STRIPS, _STRIP_BYTES, _TILES, _TILE_BYTES})
+    compression = found[_COMPRESSION].short if _COMPRESSION in found else 0
     if compression not in _KNOWN:
         return f"it is compressed by {_NAMES.get(compression, f'method {compression}')}"
     for offsets, lengths in ((_STRIPS, _STRIP_BYTES), (_TILES, _TILE_BYTES)):
-        at, size = _numbers(found, offsets), _numbers(found, lengths)
+        at, size = _numbers(found.get(offsets)), _numbers(found.get(lengths))
         if len(at) == len(size) and ((at == 0) & (size == 0)).any():
             return "it is sparse, some of its strips or tiles are not there"
     return None
 
 
-def _data(directory: ifd.Directory, tag: int) -> bytes:
-    entry = directory.get(tag)
-    return entry.data if isinstance(entry, ifd.Entry) else b""
-
-
-def _numbers(directory: ifd.Directory, tag: int) -> npt.NDArray[np.unsignedinteger[Any]]:
-    entry = directory.get(tag)
-    width = _WIDTHS.get(entry.kind, 0) if isinstance(entry, ifd.Entry) else 0
-    return np.frombuffer(_data(directory, tag), f"<u{width}") if width else np.empty(0, np.uint8)
+def _numbers(entry: ifd.Entry | None) -> npt.NDArray[np.unsignedinteger[Any]]:
+    width = 0 if entry is None else _WIDTHS.get(entry.kind, 0)
+    return np.frombuffer(entry.data, f"<u{width}") if entry and width else np.empty(0, np.uint8)
 
 
 class TiffReader:
