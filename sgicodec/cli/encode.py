@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 
     from sgicodec.cli.progress import Mode
     from sgicodec.encoder.settings import EncodeSettings
-    from sgicodec.image import Alpha
+    from sgicodec.image.opened import Alpha
     from sgicodec.image.used_range import RangeChoice
 
 __all__ = ["encode"]

@@ -13,7 +13,7 @@ import tifffile
 from click.testing import Result
 from PIL import Image
 
-from sgicodec.image import read, write
+from sgicodec import read, write
 from sgicodec.metadata import geo, ifd
 from sgicodec.picture import Metadata, Picture
 

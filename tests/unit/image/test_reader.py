@@ -10,8 +10,9 @@ import numpy as np
 import OpenImageIO as oiio
 import pytest
 
+from sgicodec import read, write
 from sgicodec.errors import PictureError
-from sgicodec.image import probe, read, write
+from sgicodec.image.reader import probe
 from sgicodec.picture import Metadata, Picture
 
 Noise = Callable[..., np.ndarray]

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from sgicodec import open_source, read, write
 from sgicodec.errors import PictureError, UsageError
-from sgicodec.image import open_source, read, write
 from sgicodec.image.used_range import SampleUse, UsedRange, stated_use
 from sgicodec.metadata import geo, ifd
 from sgicodec.picture import MAX_SAMPLE, Metadata, Picture, exact_samples, nodata_samples

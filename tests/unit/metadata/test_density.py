@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sgicodec.image import read, write
+from sgicodec import read, write
 from sgicodec.metadata import density, geo, ifd
 from sgicodec.metadata.density import Density
 from sgicodec.metadata.georeference import resolution

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sgicodec.image import read
+from sgicodec import read
 from sgicodec.metadata import geo, ifd
 from sgicodec.metadata.gdal_items import BandFacts, band_facts
 

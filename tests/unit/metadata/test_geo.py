@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sgicodec.image import open_source, read, write
+from sgicodec import open_source, read, write
 from sgicodec.metadata import geo, ifd, placement, tiff
 from sgicodec.picture import Metadata, Picture, full_range
 
