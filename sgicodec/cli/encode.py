@@ -30,7 +30,6 @@ from sgicodec.cli.options import (
 from sgicodec.cli.paths import display, is_stream, output_exists, refuse_folder, with_extension
 from sgicodec.cuda.choice import check_name, device_of
 from sgicodec.errors import PictureError, UsageError
-from sgicodec.image.library import begin_to_load
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -169,7 +168,6 @@ def encode(
     """
     check_name(device)
     computes = device_of(device if cluster is None else "cpu", threads)
-    begin_to_load()
     settings = _settings(choices)
     if cluster is None and (source_at is not None or send_pixels):
         raise UsageError("--source-at and --send-pixels go with --cluster")
