@@ -33,9 +33,6 @@ _DESCRIPTION = 270
 _MICRONS = {2: 25400.0, 3: 10000.0}
 _PER = {2: "inch", 3: "cm"}
 _APERIO = re.compile(rb"\bMPP\s*=\s*([0-9.]+)")
-_OME = re.compile(rb'\bPhysicalSizeX="([0-9.eE+-]+)"')
-_OME_Y = re.compile(rb'\bPhysicalSizeY="([0-9.eE+-]+)"')
-_OME_UNIT = re.compile(r'\bPhysicalSizeXUnit="(?!µm"|&#181;m"|&#xb5;m")'.encode())
 
 
 @dataclass(frozen=True)
@@ -136,7 +133,7 @@ def _printable(text: bytes) -> str:
 
 
 def resolution(blob: bytes | None, exif: bytes | None) -> Resolution | None:
-    """How large a pixel is, by the description of a slide (Aperio, OME), else by the resolution in the `geo` blob or
+    """How large a pixel is, by the description of a slide (Aperio), else by the resolution in the `geo` blob or
     the EXIF; None where nothing says so in a unit of length.
     """
     described = ifd.entries(exif, {_DESCRIPTION, *geo.RESOLUTION})
@@ -146,16 +143,11 @@ def resolution(blob: bytes | None, exif: bytes | None) -> Resolution | None:
 
 
 def _of_slide(description: bytes) -> Resolution | None:
-    aperio, ome = _APERIO.search(description), _OME.search(description)
+    aperio = _APERIO.search(description)
     try:
-        if aperio:
-            return _sound((float(aperio[1]),) * 2, "Aperio MPP")
-        if ome and not _OME_UNIT.search(description):
-            down = _OME_Y.search(description) or ome
-            return _sound((float(ome[1]), float(down[1])), "OME PhysicalSize")
+        return _sound((float(aperio[1]),) * 2, "Aperio MPP") if aperio else None
     except ValueError:
-        pass
-    return None
+        return None
 
 
 def _of_tags(entries: dict[int, ifd.Entry]) -> Resolution | None:
