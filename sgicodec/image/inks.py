@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from sgicodec.image.alpha import unassociate
+from sgicodec.image.decoded_picture import Reader
 from sgicodec.metadata import ifd
 
 if TYPE_CHECKING:
@@ -44,14 +45,14 @@ def extra_samples(data: Bytes, spec: ImageSpec) -> list[int] | None:
     return (stated + [0] * spec.nchannels)[: spec.nchannels - 4]
 
 
-class Inks:
+class Inks(Reader):
     """An open picture of four inks and more samples as RGB, with alpha if one of these is; the others are left out.
 
     It stands before an `ImageInput` with this header, whose samples it reads. notes: what is left out.
     """
 
     def __init__(self, image: Any, header: ImageSpec, extra: list[int]) -> None:
-        self._image, self._header = image, header
+        self._image, self._header, self.kind = image, header, image.format_name()
         kinds = [kind in (_ASSOCIATED, _UNASSOCIATED) for kind in extra]
         self._alpha = 4 + kinds.index(True) if any(kinds) else None
         self._associated = self._alpha is not None and extra[self._alpha - 4] == _ASSOCIATED
@@ -69,10 +70,6 @@ class Inks:
         spec.alpha_channel = -1 if self._alpha is None else 3
         spec.attribute("oiio:UnassociatedAlpha", 1)
         return spec
-
-    def format_name(self) -> str:
-        """That of the picture behind."""
-        return str(self._image.format_name())
 
     def read_tiles(self, *where: Any) -> Samples | None:
         """As that of an `ImageInput`."""

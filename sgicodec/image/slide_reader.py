@@ -1,4 +1,4 @@
-"""Slides that OpenImageIO reads wrongly or not at all, by OpenSlide, behind the interface of an `ImageInput`."""
+"""Slides that OpenImageIO reads wrongly or not at all, by OpenSlide."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from sgicodec.errors import PictureError, require
+from sgicodec.image.decoded_picture import Reader
 from sgicodec.metadata import geo, ifd
 from sgicodec.metadata.filebytes import FileBytes
 from sgicodec.metadata.stacks import resolution_tags
@@ -54,8 +55,10 @@ def is_slide(path: Path) -> bool:
     return entry is not None and entry.short in _JPEG_2000
 
 
-class SlideReader:
+class SlideReader(Reader):
     """An open slide: its largest level in RGB, on white or the slide's own background, as far as it was scanned."""
+
+    kind = "openslide"
 
     def __init__(self, path: Path) -> None:
         """Raises PictureError for what OpenSlide does not read."""
@@ -86,10 +89,6 @@ class SlideReader:
         spec.tile_width = spec.tile_height = _TILE
         return spec
 
-    def format_name(self) -> str:
-        """Which says that it is none of OpenImageIO's."""
-        return "openslide"
-
     def read_tiles(self, _: int, __: int, *where: Any) -> npt.NDArray[np.uint8]:
         """Pixels [h, w, 3] from column where[0] to where[1], row where[2] to where[3]. Raises PictureError."""
         import openslide
@@ -101,10 +100,6 @@ class SlideReader:
         except openslide.OpenSlideError as error:
             raise PictureError(_reason(error)) from error
         return _on(region, self._background)
-
-    def geterror(self) -> str:
-        """Nothing: errors are raised."""
-        return ""
 
     def close(self) -> None:
         """Close the file."""

@@ -1,4 +1,4 @@
-"""TIFF files whose samples OpenImageIO cannot read, by GDAL (rasterio), behind the interface of an `ImageInput`."""
+"""TIFF files whose samples OpenImageIO cannot read, by GDAL (rasterio)."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from sgicodec.errors import MissingExtraError, PictureError, require
+from sgicodec.image.decoded_picture import Reader
 from sgicodec.image.inks import rgb_of_inks
 from sgicodec.metadata import ifd
 
@@ -56,10 +57,12 @@ def _numbers(entry: ifd.Entry | None) -> npt.NDArray[np.unsignedinteger[Any]]:
     return np.frombuffer(entry.data, f"<u{width}") if entry and width else np.empty(0, np.uint8)
 
 
-class TiffReader:
+class TiffReader(Reader):
     """An open page, whose samples come as OpenImageIO would give them: stretched to whole bytes, 8 bits of which 0 is
     white turned over, palettes and inks as RGB. What is not there is 0 or the nodata value.
     """
+
+    kind = "tiff"
 
     def __init__(self, path: Path, number: int, header: ImageSpec, reason: str) -> None:
         """number: of the page's directory, from 0; header: OpenImageIO's; reason: as `left_to_gdal` says.
@@ -92,10 +95,6 @@ class TiffReader:
         if str(spec.format) == "double":
             spec.set_format(oiio.TypeDesc("float"))
         return spec
-
-    def format_name(self) -> str:
-        """OpenImageIO's name of the format."""
-        return "tiff"
 
     def read_tiles(self, _: int, __: int, left: int, right: int, top: int, bottom: int, *___: Any) -> Samples:
         """Pixels [h, w, C] from column left to right, row top to bottom. Raises PictureError."""
@@ -138,10 +137,6 @@ class TiffReader:
                 f"{self._reason}, and GDAL finds {samples.shape[-1]} of its {count} channels; {_PROGRAM}"
             )
         return samples[..., :count]
-
-    def geterror(self) -> str:
-        """Nothing: errors are raised."""
-        return ""
 
     def close(self) -> None:
         """Close the file."""
