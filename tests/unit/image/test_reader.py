@@ -209,16 +209,6 @@ def test_associated_alpha_is_divided_out(pictures: Path) -> None:
     np.testing.assert_array_equal(pixels[~visible], stored[~visible])
 
 
-def test_bands_without_a_meaning_stay_bands(noise: Noise) -> None:
-    for count in (2, 4, 5):
-        pixels = noise(6, 7, count, "uint16")
-        file = io.BytesIO()
-        write(Picture(pixels, "multi", (0.0, 65535.0)), file, format="tiff")
-        back = read(file.getvalue())
-        assert back.channels == "multi"
-        np.testing.assert_array_equal(back.pixels, pixels)
-
-
 def test_a_profile_for_other_channels_is_left_behind(pictures: Path) -> None:
     profile = read(pictures / "icc_profile.png").metadata.icc
     assert profile is not None
