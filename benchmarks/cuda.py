@@ -32,6 +32,7 @@ from benchmarks._cuda_checks import (
 )
 from benchmarks._cuda_floors import H200, Floor, counts_of, floors, peak_of
 from benchmarks.raster import Scene
+from sgicodec import read
 from sgicodec.cuda.choice import device_of
 from sgicodec.cuda.compiler import ARCHITECTURES, the_compiler
 from sgicodec.cuda.gpu import Gpu, opened
@@ -50,7 +51,6 @@ from sgicodec.errors import MissingExtraError, TargetMissedError
 from sgicodec.executors.serial import SerialExecutor
 from sgicodec.executors.threads import ThreadExecutor
 from sgicodec.fit.trainer import Progress
-from sgicodec.image import read
 from sgicodec.picture import Picture
 from sgicodec.raster.cuda import CudaRasterizer
 

@@ -9,9 +9,9 @@ import click
 import numpy as np
 from numpy.typing import NDArray
 
+from sgicodec import read
 from sgicodec.decoder.stream import open_stream
 from sgicodec.errors import require
-from sgicodec.image import read
 from sgicodec.metrics.psnr import psnr
 
 __all__ = ["jpeg_of_size", "main"]

@@ -32,7 +32,9 @@ if TYPE_CHECKING:
     from sgicodec.executors.gpus import GpuExecutor
     from sgicodec.executors.processes import ProcessExecutor
     from sgicodec.executors.threads import ThreadExecutor
-    from sgicodec.image import open_source, read, write
+    from sgicodec.image.reader import read
+    from sgicodec.image.source import open_source
+    from sgicodec.image.writer import write
     from sgicodec.picture import Picture
 
 __all__ = [

@@ -18,12 +18,12 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 
+from sgicodec import read
 from sgicodec.bitstream.parts.predicted_tree import LEVELS, Batch, TreeContext, input_counts, walk_tree
 from sgicodec.bitstream.parts.seed_tree import Flags, GivenTree, Seeds, TreeShape
 from sgicodec.decoder.stream import open_stream
 from sgicodec.encoder.pipeline import encode_picture
 from sgicodec.encoder.settings import EncodeSettings
-from sgicodec.image import read
 from sgicodec.model.network import IntNetwork
 from tools.prior_file import SHIFT, write_prior
 

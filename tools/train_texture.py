@@ -16,6 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
+from sgicodec import read
 from sgicodec._native import TextureModels
 from sgicodec.encoder.plan import Shape, stream_plan
 from sgicodec.encoder.settings import EncodeSettings
@@ -23,7 +24,6 @@ from sgicodec.encoder.tile.inputs import tile_of
 from sgicodec.encoder.tile.stages import fit_seeds
 from sgicodec.encoder.tile.texture import begin_texture
 from sgicodec.encoder.tile.texture_steps import TUNINGS, Masking
-from sgicodec.image import read
 from sgicodec.model.texture_symbols import TextureSymbols
 from sgicodec.picture import Picture
 

@@ -20,13 +20,13 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
+from sgicodec import read
 from sgicodec.bitstream.parts.prior import parse_prior
 from sgicodec.bitstream.parts.tile import TileModel
 from sgicodec.decoder.stream import open_stream
 from sgicodec.device import ONE_THREAD, Device
 from sgicodec.encoder.pipeline import encode_picture
 from sgicodec.encoder.settings import EncodeSettings
-from sgicodec.image import read
 from sgicodec.model.context import INPUT_BITS, LEVELS, input_count, nearest_by_pass, output_columns
 from sgicodec.model.native import SeedInputs, quantisers, summarise, write_own_inputs
 from sgicodec.model.neighbours import nearest_seeds

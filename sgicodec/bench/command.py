@@ -191,9 +191,9 @@ def compare(
 
 def _picture(origin: str) -> Picture:
     """The picture in a file or behind a URL; of a stream that which it decodes to. Raises PictureError, StreamError."""
-    from sgicodec import image
     from sgicodec.bitstream.container import SIGNATURE
     from sgicodec.decoder.stream import open_stream
+    from sgicodec.image.source import open_source
 
     try:
         with open_url(origin) if is_url(origin) else open(origin, "rb") as file:
@@ -201,7 +201,7 @@ def _picture(origin: str) -> Picture:
     except (OSError, SgiError):
         is_stream = False  # what reads pictures tells
     if not is_stream:
-        with image.open_source(origin) as source:
+        with open_source(origin) as source:
             if source.pages > 1:
                 click.echo(f"sgi: {origin}: the first of {source.pages} pages is compared", err=True)
             return source.read(0, 0, source.width, source.height)
@@ -225,12 +225,12 @@ def _exists(path: str) -> bool:
 
 
 def _write_map(path: str, pixels: npt.NDArray[np.uint8]) -> None:
-    from sgicodec import image
+    from sgicodec.image.writer import write
     from sgicodec.picture import Picture
 
     # An error in alpha would show as transparency.
     shown, layout = (pixels[..., :1], "gray") if pixels.shape[2] < 3 else (pixels[..., :3], "rgb")
-    image.write(Picture(shown, layout, (0.0, 255.0)), path)
+    write(Picture(shown, layout, (0.0, 255.0)), path)
 
 
 def _wanted(names: str | None) -> Sequence[str]:

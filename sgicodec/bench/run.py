@@ -147,10 +147,10 @@ def _is_complete(row: Row | None) -> bool:
 
 def load_sample(path: Path) -> Sample:
     """The picture in a file. Raises PictureError if it cannot be read."""
-    from sgicodec import image
+    from sgicodec.image.reader import read
     from sgicodec.picture import convert
 
-    pixels = to_rgb(convert(image.read(path), 8).pixels)
+    pixels = to_rgb(convert(read(path), 8).pixels)
     # A tab, a line break or bytes that are no text would break the row.
     name = " ".join(os.fsencode(path.name).decode("utf-8", "replace").split())
     return Sample.of(name, pixels)

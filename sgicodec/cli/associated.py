@@ -42,7 +42,7 @@ def associated_pictures(source: str, target: str, force: bool, by_default: bool)
 
 def write_associated(pictures: Associated, source: str, tells: bool) -> None:
     """Writes them, and tells which there are, or that there are none. Raises PictureError."""
-    from sgicodec.image import write
+    from sgicodec.image.writer import write
 
     for path, picture in pictures:
         write(picture, path)

@@ -30,14 +30,13 @@ from sgicodec.cli.options import (
 from sgicodec.cli.paths import display, is_stream, output_exists, refuse_folder, with_extension
 from sgicodec.cuda.choice import check_name, device_of
 from sgicodec.errors import PictureError, UsageError
-from sgicodec.image.library import begin_to_load
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     from sgicodec.cli.progress import Mode
     from sgicodec.encoder.settings import EncodeSettings
-    from sgicodec.image import Alpha
+    from sgicodec.image.opened import Alpha
     from sgicodec.image.used_range import RangeChoice
 
 __all__ = ["encode"]
@@ -172,7 +171,6 @@ def encode(
     """
     check_name(device)
     computes = device_of(device if cluster is None else "cpu", threads)
-    begin_to_load()
     if lossless:
         if choices["max_error"]:
             raise UsageError("--lossless and --max-error exclude each other")

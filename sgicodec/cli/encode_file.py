@@ -32,7 +32,8 @@ if TYPE_CHECKING:
     from sgicodec.device import Device
     from sgicodec.encoder.settings import EncodeSettings
     from sgicodec.executors.executor import Executor
-    from sgicodec.image import Alpha, Source
+    from sgicodec.image.opened import Alpha
+    from sgicodec.image.source import Source
     from sgicodec.image.used_range import RangeChoice
 
 __all__ = ["EncodeOptions", "encode_file"]

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from sgicodec.bitstream.header import Header
     from sgicodec.decoder.bands import Bands
     from sgicodec.decoder.stream import Stream
-    from sgicodec.image import Sink
+    from sgicodec.image.sink import Sink
     from sgicodec.picture import Picture
 
 __all__ = ["Output", "write_bands", "write_picture", "write_pyramid"]
@@ -42,7 +42,7 @@ class Output:
 
 def write_picture(picture: Picture, target: str, extension: str, output: Output) -> None:
     """Writes a picture that is in memory."""
-    from sgicodec.image import write
+    from sgicodec.image.writer import write
 
     options = {"png_level": output.png_level, "threads": output.threads}
     if target != STANDARD:
@@ -124,7 +124,7 @@ def _write_bands(
 
 
 def _sink(path: Path, header: Header, bands: Bands, first: Picture, extension: str, output: Output) -> Sink:
-    from sgicodec.image import open_sink
+    from sgicodec.image.sink import open_sink
 
     return open_sink(
         path,

@@ -38,7 +38,7 @@ from sgicodec.files.whole import whole_file
 from sgicodec.picture import Picture
 
 if TYPE_CHECKING:
-    from sgicodec.image import Source
+    from sgicodec.image.source import Source
 
 __all__ = ["encode_all_channels", "encode_picture"]
 

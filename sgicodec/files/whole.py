@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import BinaryIO
 
-from sgicodec.files.scratch import scratch_file
+from sgicodec.files.scratch import scratch_folder
 
 __all__ = ["whole_file", "write_whole"]
 
@@ -21,7 +21,7 @@ def write_whole(path: Path, data: bytes) -> None:
 
 @contextlib.contextmanager
 def whole_file(path: Path) -> Iterator[BinaryIO]:
-    """A file to write to under a temporary name in the folder of `path`; then it is synced to disk and renamed.
+    """A file to write to in a folder of its own beside `path`; then it is synced to disk and renamed.
 
     A link is followed. What is no regular file (a device, a named pipe) is written to directly. Raises OSError, after
     which the old file, if any, is still there and nothing else is. What a kill leaves is removed by the next such write
@@ -32,7 +32,8 @@ def whole_file(path: Path) -> Iterator[BinaryIO]:
         with path.open("wb") as device:
             yield device
         return
-    with scratch_file(path.parent) as unfinished:
+    with scratch_folder(path.parent) as folder:
+        unfinished = folder / path.name
         with unfinished.open("wb") as file:
             yield file
             file.flush()

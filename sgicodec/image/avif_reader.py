@@ -23,6 +23,7 @@ class AvifReader(DecodedPicture):
     """An open file: its primary picture, cropped and turned as the file says; 10 and 12 bits become 16."""
 
     kind = "avif by libavif"
+    in_library = 5
 
     def __init__(self, path: Path, page: int | None = None) -> None:
         """page: of a sequence, from 1, the first if None.

@@ -68,12 +68,12 @@ def declared_channels(data: Bytes, kind: str) -> Channels:
 
 def _tiff(data: Bytes) -> Last:
     """Extra samples are alpha where they are declared at all, unless GDAL calls the last band something else."""
-    directory = ifd.load(data, {_EXTRA_SAMPLES, _SAMPLES_PER_PIXEL, geo.GDAL_METADATA})
+    directory = ifd.entries(data, {_EXTRA_SAMPLES, _SAMPLES_PER_PIXEL, geo.GDAL_METADATA})
     count, text = directory.get(_SAMPLES_PER_PIXEL), directory.get(geo.GDAL_METADATA)
     if _EXTRA_SAMPLES not in directory:
         return "band"
-    if isinstance(count, ifd.Entry) and isinstance(text, ifd.Entry):
-        colour = last_colour(text.data, int.from_bytes(count.data[:2], "little"))
+    if count is not None and text is not None:
+        colour = last_colour(text.data, count.short)
         return "alpha" if colour in (None, "alpha") else "band"
     return "alpha"
 

@@ -1,4 +1,4 @@
-"""A picture that another library than OpenImageIO decodes whole, behind the interface of an `ImageInput`."""
+"""Pictures that other libraries than OpenImageIO read, behind the interface of an `ImageInput`."""
 
 from __future__ import annotations
 
@@ -16,16 +16,41 @@ from sgicodec.picture import Metadata
 if TYPE_CHECKING:
     from OpenImageIO import ImageSpec
 
-__all__ = ["DecodedPicture", "stated_metadata", "stretched"]
+__all__ = ["DecodedPicture", "Reader", "stated_metadata", "stretched"]
 
 _NAMES = {1: ("Y",), 2: ("Y", "A"), 3: ("R", "G", "B"), 4: ("R", "G", "B", "A")}
 
 
-class DecodedPicture(ABC):
-    """Its pixels are decoded on first use, upright, and then kept."""
+class Reader(ABC):
+    """An open picture that another library reads."""
 
     kind: str
-    """What stands for a format's name in OpenImageIO, which knows none of this name."""
+    """What stands for a format's name in OpenImageIO."""
+    in_library = 0
+    """How many times the size of all samples the library holds."""
+
+    @abstractmethod
+    def spec(self) -> ImageSpec:
+        """The header in OpenImageIO's terms."""
+
+    def metadata(self) -> Metadata:
+        """That of the upright picture, as far as it is not found in the bytes of the file."""
+        return Metadata()
+
+    def format_name(self) -> str:
+        """As `kind`."""
+        return self.kind
+
+    def geterror(self) -> str:
+        """Nothing: errors are raised."""
+        return ""
+
+    def close(self) -> None:  # noqa: B027
+        """Close the file, if it is open."""
+
+
+class DecodedPicture(Reader):
+    """A picture whose pixels are decoded on first use, upright, and then kept."""
 
     pages: int = 1
     """How many pictures the file holds."""
@@ -41,14 +66,6 @@ class DecodedPicture(ABC):
     @abstractmethod
     def _decoded(self) -> npt.NDArray[Any]:
         """All samples [H, W, C] or, of gray, [H, W]. May raise what the library raises."""
-
-    @abstractmethod
-    def close(self) -> None:
-        """Close the file."""
-
-    def metadata(self) -> Metadata:
-        """That of the upright picture, as far as it is not found in the bytes of the file."""
-        return Metadata()
 
     @property
     def associated(self) -> bool:
@@ -66,10 +83,6 @@ class DecodedPicture(ABC):
         spec.alpha_channel = names.index("A") if "A" in names else -1
         return spec
 
-    def format_name(self) -> str:
-        """As `kind`."""
-        return self.kind
-
     def read_scanlines(self, _: int, __: int, top: int, bottom: int, *___: Any) -> npt.NDArray[Any]:
         """Rows [bottom − top, W, C]. Raises PictureError."""
         if self._pixels is None:
@@ -82,10 +95,6 @@ class DecodedPicture(ABC):
                 raise PictureError(self._damage(error)) from error
             self._pixels = np.asarray(pixels, sample).reshape(height, width, channels)
         return self._pixels[top:bottom]
-
-    def geterror(self) -> str:
-        """Nothing: errors are raised."""
-        return ""
 
     @staticmethod
     def _damage(error: Exception) -> str:

@@ -22,6 +22,7 @@ class HeifReader(DecodedPicture):
     """An open file: its primary picture, turned and cropped as the file says; 10 and 12 bits become 16."""
 
     kind = "heif by libheif"
+    in_library = 4
 
     def __init__(self, path: Path, page: int | None = None) -> None:
         """page: from 1, the primary one first.
@@ -59,6 +60,3 @@ class HeifReader(DecodedPicture):
     def metadata(self) -> Metadata:
         """ICC profile, EXIF and XMP. The file's own turns count (ISO/IEC 23008-12), not the orientation in these."""
         return stated_metadata(self._image.info)
-
-    def close(self) -> None:
-        """Nothing is open: libheif has read the file."""

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import struct
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
 from sgicodec.image.alpha import unassociate
+from sgicodec.image.decoded_picture import Reader
 from sgicodec.metadata import ifd
 
 if TYPE_CHECKING:
@@ -37,28 +37,22 @@ def extra_samples(data: Bytes, spec: ImageSpec) -> list[int] | None:
     """What a TIFF file says of the samples that follow its four inks; None for all other files."""
     if spec.get_int_attribute("tiff:PhotometricInterpretation", -1) != _SEPARATED or spec.nchannels < 5:
         return None
-    try:
-        found = ifd.load(data, {_INK_SET, _EXTRA_SAMPLES})
-    except struct.error:
+    found = ifd.entries(data, {_INK_SET, _EXTRA_SAMPLES})
+    if _INK_SET in found and found[_INK_SET].short != _CMYK:
         return None
-    ink_set, extra = (entry.data if isinstance(entry, ifd.Entry) else b"" for entry in map(found.get, _TAGS))
-    if ink_set and int.from_bytes(ink_set[:2], "little") != _CMYK:
-        return None
+    extra = found[_EXTRA_SAMPLES].data if _EXTRA_SAMPLES in found else b""
     stated = [int(value) for value in np.frombuffer(extra[: len(extra) // 2 * 2], "<u2")]
     return (stated + [0] * spec.nchannels)[: spec.nchannels - 4]
 
 
-_TAGS = (_INK_SET, _EXTRA_SAMPLES)
-
-
-class Inks:
+class Inks(Reader):
     """An open picture of four inks and more samples as RGB, with alpha if one of these is; the others are left out.
 
     It stands before an `ImageInput` with this header, whose samples it reads. notes: what is left out.
     """
 
     def __init__(self, image: Any, header: ImageSpec, extra: list[int]) -> None:
-        self._image, self._header = image, header
+        self._image, self._header, self.kind = image, header, image.format_name()
         kinds = [kind in (_ASSOCIATED, _UNASSOCIATED) for kind in extra]
         self._alpha = 4 + kinds.index(True) if any(kinds) else None
         self._associated = self._alpha is not None and extra[self._alpha - 4] == _ASSOCIATED
@@ -76,10 +70,6 @@ class Inks:
         spec.alpha_channel = -1 if self._alpha is None else 3
         spec.attribute("oiio:UnassociatedAlpha", 1)
         return spec
-
-    def format_name(self) -> str:
-        """That of the picture behind."""
-        return str(self._image.format_name())
 
     def read_tiles(self, *where: Any) -> Samples | None:
         """As that of an `ImageInput`."""

@@ -22,6 +22,7 @@ class Jpeg2000Reader(DecodedPicture):
     """An open file: its samples as they are, one or three channels as gray or RGB, others as bands."""
 
     kind = "jpeg 2000 by openjpeg"
+    in_library = 5
 
     def __init__(self, path: Path, header: ImageSpec) -> None:
         """header: OpenImageIO's, which shortens such samples. Raises PictureError without imagecodecs."""
@@ -50,6 +51,3 @@ class Jpeg2000Reader(DecodedPicture):
         import imagecodecs
 
         return imagecodecs.jpeg2k_decode(self._path.read_bytes())
-
-    def close(self) -> None:
-        """Nothing stays open."""

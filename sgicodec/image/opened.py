@@ -15,7 +15,7 @@ from sgicodec.errors import MissingExtraError, PictureError, UsageError
 from sgicodec.image.alpha import unassociate
 from sgicodec.image.avif_reader import AvifReader
 from sgicodec.image.channels import AsIs, Channels, Last, declared_channels
-from sgicodec.image.decoded_picture import DecodedPicture
+from sgicodec.image.decoded_picture import DecodedPicture, Reader
 from sgicodec.image.header import (
     Probe,
     has_own_numbers,
@@ -50,6 +50,8 @@ Samples = npt.NDArray[Any]
 _STREAM_SIGNATURE = b"\x89SGI\r\n\x1a\n"
 Alpha = Literal["auto", "band", "none"]
 _LAST: dict[str, Last] = {"band": "band", "none": "unused"}
+_IN_LIBRARY = {"gif": 1, "iff": 1, "jpeg2000": 5, "jpegxl": 6, "pnm": 1, "targa": 1, "webp": 3}
+"""Formats that OpenImageIO's own readers hold whole, and how many times the size of samples that takes."""
 _NUMPY_NAMES = {"half": "float16", "float": "float32", "double": "float64", "int": "int32", "uint": "uint32"}
 
 
@@ -80,6 +82,11 @@ class Opened:
         """The type of stored samples."""
         name = str(self.spec.format)
         return np.dtype(_NUMPY_NAMES.get(name, name))
+
+    @property
+    def in_library(self) -> int:
+        """How many times the size of all samples the library that reads them holds."""
+        return self.image.in_library if isinstance(self.image, Reader) else _IN_LIBRARY.get(self.kind, 0)
 
     @property
     def nodata(self) -> float | None:

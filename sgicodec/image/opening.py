@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from sgicodec.errors import PictureError
 from sgicodec.image.channels import Channels
-from sgicodec.image.decoded_picture import DecodedPicture
+from sgicodec.image.decoded_picture import DecodedPicture, Reader
 from sgicodec.image.inks import Inks, extra_samples
 from sgicodec.image.jpeg2000_reader import Jpeg2000Reader
 from sgicodec.image.origin import first_line
@@ -94,4 +94,4 @@ def by_others(path: Path, data: FileBytes, image: Any, chosen: PageChoice, decla
 
 def is_openimageio(image: Any) -> bool:
     """Whether an opened picture is an `ImageInput` of OpenImageIO itself."""
-    return hasattr(image, "seek_subimage")
+    return not isinstance(image, Reader)

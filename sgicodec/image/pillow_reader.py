@@ -47,6 +47,7 @@ class PillowReader(DecodedPicture):
     """An open picture in a format that Pillow knows."""
 
     kind = "pillow"
+    in_library = 2
 
     def __init__(self, path: Path, page: int | None = None) -> None:
         """page: from 1, the first if None. Raises PictureError for what Pillow does not read either, UsageError for a

@@ -9,8 +9,8 @@ from __future__ import annotations
 import struct
 import zlib
 from collections import deque
+from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
-from threading import Thread
 from typing import Any
 
 import numpy as np
@@ -57,7 +57,8 @@ class PngOutput:
         self._strip = np.empty((self._strip_rows, self._row_bytes), np.uint8)
         self._above = np.zeros(self._row_bytes, np.uint8)
         self._window, self._adler = b"", 1
-        self._working: deque[_Deflating] = deque()
+        self._pool = ThreadPoolExecutor(self._threads)
+        self._working: deque[Future[bytes]] = deque()
         self._begun = False
         self._file = path.open("wb")
         depth, colour = 8 * header.dtype.itemsize, _COLOUR_TYPES[header.channels]
@@ -93,13 +94,9 @@ class PngOutput:
         self._above = rows[-1].copy()
         data = filtered.tobytes()
         self._adler = isal_zlib.adler32(data, self._adler)
-        work = _Deflating(data, self._window, self._level, self._next == self._header.height)
+        is_last = self._next == self._header.height
+        self._working.append(self._pool.submit(_deflated, data, self._window, self._level, is_last))
         self._window = data[-_WINDOW:]
-        if self._threads > 1:
-            work.start()
-        else:
-            work.run()
-        self._working.append(work)
         while len(self._working) >= self._threads:
             self._write_next()
 
@@ -117,39 +114,17 @@ class PngOutput:
         while self._working:
             self._write_next()
         self._file.write(chunk(b"IEND", b""))
-        self._file.close()
+        self.abandon()
 
     def abandon(self) -> None:
-        """Let go of an unfinished file."""
+        """Let go of the file, finished or not."""
+        self._pool.shutdown()
         self._file.close()
 
 
-class _Deflating(Thread):
-    """Deflates a strip behind `window`, what came before it; ISA-L and zlib let other threads run."""
-
-    def __init__(self, data: bytes, window: bytes, level: int, last: bool) -> None:
-        super().__init__(daemon=True)
-        self._data, self._window, self._level, self._last = data, window, level, last
-        self._deflated = b""
-        self._error: Exception | None = None
-
-    def run(self) -> None:
-        """As `Thread` says."""
-        try:
-            self._deflated = self._work()
-        except Exception as error:  # of this thread; `result` raises it in the caller's
-            self._error = error
-
-    def _work(self) -> bytes:
-        library = isal_zlib if self._level in _FAST_LEVELS else zlib
-        raw, memory = -zlib.MAX_WBITS, zlib.DEF_MEM_LEVEL
-        coder = library.compressobj(self._level, zlib.DEFLATED, raw, memory, zlib.Z_DEFAULT_STRATEGY, self._window)
-        return b"".join((coder.compress(self._data), coder.flush(zlib.Z_FINISH if self._last else zlib.Z_SYNC_FLUSH)))
-
-    def result(self) -> bytes:
-        """The deflated strip, once it is done. Raises what the work raised."""
-        if self.ident is not None:
-            self.join()
-        if self._error is not None:
-            raise self._error
-        return self._deflated
+def _deflated(data: bytes, window: bytes, level: int, last: bool) -> bytes:
+    """A strip deflated behind `window`, what came before it; ISA-L and zlib let other threads run."""
+    library = isal_zlib if level in _FAST_LEVELS else zlib
+    raw, memory = -zlib.MAX_WBITS, zlib.DEF_MEM_LEVEL
+    coder = library.compressobj(level, zlib.DEFLATED, raw, memory, zlib.Z_DEFAULT_STRATEGY, window)
+    return b"".join((coder.compress(data), coder.flush(zlib.Z_FINISH if last else zlib.Z_SYNC_FLUSH)))

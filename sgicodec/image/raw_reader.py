@@ -24,6 +24,7 @@ class RawReader(DecodedPicture):
     """An open file, developed plainly: the camera's white balance, sRGB, 16 bits, no automatic brightness."""
 
     kind = "raw by libraw"
+    in_library = 4
 
     def __init__(self, path: Path, page: int | None = None) -> None:
         """Raises PictureError for what LibRaw does not read, UsageError for another page than 1, MissingExtraError

@@ -1,9 +1,8 @@
-"""Slides that OpenImageIO reads wrongly or not at all, by OpenSlide, behind the interface of an `ImageInput`."""
+"""Slides that OpenImageIO reads wrongly or not at all, by OpenSlide."""
 
 from __future__ import annotations
 
 import re
-import struct
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from sgicodec.errors import PictureError, require
+from sgicodec.image.decoded_picture import Reader
 from sgicodec.metadata import geo, ifd
 from sgicodec.metadata.filebytes import FileBytes
 from sgicodec.metadata.stacks import resolution_tags
@@ -51,15 +51,14 @@ def is_slide(path: Path) -> bool:
             return bytes(data[: len(_OTHERS[suffix])]) == _OTHERS[suffix]
         if suffix != ".svs":
             return ifd.layout(data) is not None
-        try:
-            entry = ifd.load(data, {_COMPRESSION}).get(_COMPRESSION)
-        except struct.error:
-            return False
-    return isinstance(entry, ifd.Entry) and int.from_bytes(entry.data[:2], "little") in _JPEG_2000
+        entry = ifd.entries(data, {_COMPRESSION}).get(_COMPRESSION)
+    return entry is not None and entry.short in _JPEG_2000
 
 
-class SlideReader:
+class SlideReader(Reader):
     """An open slide: its largest level in RGB, on white or the slide's own background, as far as it was scanned."""
+
+    kind = "openslide"
 
     def __init__(self, path: Path) -> None:
         """Raises PictureError for what OpenSlide does not read."""
@@ -80,7 +79,7 @@ class SlideReader:
         sizes = [properties.get(f"openslide.mpp-{axis}") for axis in "xy"]
         profile = self._slide.color_profile
         icc = None if profile is None else profile.tobytes()
-        return Metadata(icc=icc, exif=_description(properties), geo=_resolution(sizes))
+        return Metadata(icc=icc, exif=_description(properties), geo=geo.pack(resolution_tags(sizes)))
 
     def spec(self) -> ImageSpec:
         """The header in OpenImageIO's terms."""
@@ -89,10 +88,6 @@ class SlideReader:
         spec = oiio.ImageSpec(self._width, self._height, 3, oiio.TypeDesc("uint8"))
         spec.tile_width = spec.tile_height = _TILE
         return spec
-
-    def format_name(self) -> str:
-        """Which says that it is none of OpenImageIO's."""
-        return "openslide"
 
     def read_tiles(self, _: int, __: int, *where: Any) -> npt.NDArray[np.uint8]:
         """Pixels [h, w, 3] from column where[0] to where[1], row where[2] to where[3]. Raises PictureError."""
@@ -105,10 +100,6 @@ class SlideReader:
         except openslide.OpenSlideError as error:
             raise PictureError(_reason(error)) from error
         return _on(region, self._background)
-
-    def geterror(self) -> str:
-        """Nothing: errors are raised."""
-        return ""
 
     def close(self) -> None:
         """Close the file."""
@@ -157,11 +148,6 @@ def _description(properties: Mapping[str, str]) -> bytes | None:
     vendor = re.sub(r"[^a-z0-9-]", "", properties.get("openslide.vendor", ""))[:40]
     text = f"{vendor}|AppMag = {power}".encode() + b"\0"
     return b"II*\0\x08\0\0\0" + ifd.dump({DESCRIPTION: ifd.Entry(_ASCII, text)}, 8)
-
-
-def _resolution(microns: list[str | None]) -> bytes | None:
-    """The `geo` blob of pixels of this size."""
-    return geo.pack(resolution_tags(microns))
 
 
 def _reason(error: Exception) -> str:

@@ -83,22 +83,12 @@ def _tiff_raw(data: Bytes) -> str | None:
 def _directories(data: Bytes, spelling: ifd.Layout) -> Iterator[dict[int, int]]:
     """First values of the tags of the first directory, then of those below it."""
     first = {row.tag: row for row in ifd.rows(data, ifd.first_directory(data, spelling), spelling)}
-    yield {tag: _value(data, row, spelling) for tag, row in first.items()}
+    yield {tag: ifd.first_integer(data, row, spelling) for tag, row in first.items()}
     below = first.get(_SUB_IFDS)
     if below is None:
         return
     single = below.values * spelling.offset.size <= spelling.offset.size
-    start = below.at if single else _number(data, below.at, spelling.offset)
+    start = below.at if single else ifd.offset(data, below.at, spelling)
     for index in range(min(below.values, _MAX_DIRECTORIES)):
-        at = _number(data, start + index * spelling.offset.size, spelling.offset)
-        yield {row.tag: _value(data, row, spelling) for row in ifd.rows(data, at, spelling)}
-
-
-def _value(data: Bytes, row: ifd.Row, spelling: ifd.Layout) -> int:
-    """The first value of a row of short or long integers; what stands there of any other."""
-    is_short = row.kind == 3
-    return _number(data, row.at, struct.Struct(spelling.order + "H") if is_short else spelling.offset)
-
-
-def _number(data: Bytes, at: int, form: struct.Struct) -> int:
-    return int(form.unpack(data[at : at + form.size])[0])
+        at = ifd.offset(data, start + index * spelling.offset.size, spelling)
+        yield {row.tag: ifd.first_integer(data, row, spelling) for row in ifd.rows(data, at, spelling)}

@@ -13,14 +13,9 @@ import numpy.typing as npt
 
 from sgicodec.errors import PictureError, UsageError
 from sgicodec.image.access import Access, Tiles, Whole, access
-from sgicodec.image.avif_reader import AvifReader
 from sgicodec.image.header import MAX_SAMPLES, Probe
-from sgicodec.image.heif_reader import HeifReader
-from sgicodec.image.jpeg2000_reader import Jpeg2000Reader
 from sgicodec.image.opened import Alpha, Opened, open_picture
 from sgicodec.image.origin import Origin, naming, on_disk
-from sgicodec.image.pillow_reader import PillowReader
-from sgicodec.image.raw_reader import RawReader
 from sgicodec.image.reader import check_whole, pictured
 from sgicodec.image.used_range import RangeChoice, SampleUse, UsedRange, stated_use
 from sgicodec.metadata.layouts import SampleRange, alpha_index
@@ -33,12 +28,6 @@ _SCAN_SAMPLES = 1 << 22
 """Samples of a window by which the range in use is looked for."""
 
 NO_OPACITY = "what is declared as alpha is opaque nowhere, or more than that: it is coded as a band like the others"
-
-_IN_LIBRARY = {"gif": 1, "iff": 1, "jpeg2000": 5, "jpegxl": 6, "pnm": 1, "targa": 1, "webp": 3}
-_IN_LIBRARY |= {PillowReader.kind: 2, AvifReader.kind: 5, HeifReader.kind: 4, RawReader.kind: 4, Jpeg2000Reader.kind: 5}
-"""Formats that OpenImageIO's own readers, or other libraries, hold whole, and how many times the size of samples that
-takes.
-"""
 
 
 class Source:
@@ -64,7 +53,7 @@ class Source:
             self._opened: Opened = open_picture(self.path, any_size=True, alpha=alpha, page=page)
             stack.callback(lambda: self._opened.image.close())
             self._access: Access = access(self._opened)
-            if self._opened.kind in _IN_LIBRARY or isinstance(self._access, Whole):
+            if self._opened.in_library or isinstance(self._access, Whole):
                 check_whole(self._opened, max_samples)
             self._check(1, 1)
             if not isinstance(sample_range, SampleUse):
@@ -178,7 +167,7 @@ class Source:
         (all samples), progressive JPEG (two bytes for each) and compressed strips of TIFF (one strip).
         """
         header, native = self.header, self._opened.native.itemsize
-        library = _IN_LIBRARY.get(self._opened.kind, 0) * header.width * header.height * header.count * native
+        library = self._opened.in_library * header.width * header.height * header.count * native
         copies = 2 * width * height * header.count * header.dtype.itemsize
         return self._held(width, height) * native + copies + library
 

@@ -1,8 +1,7 @@
-"""TIFF files whose samples OpenImageIO cannot read, by GDAL (rasterio), behind the interface of an `ImageInput`."""
+"""TIFF files whose samples OpenImageIO cannot read, by GDAL (rasterio)."""
 
 from __future__ import annotations
 
-import struct
 import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from sgicodec.errors import MissingExtraError, PictureError, require
+from sgicodec.image.decoded_picture import Reader
 from sgicodec.image.inks import rgb_of_inks
 from sgicodec.metadata import ifd
 
@@ -24,8 +24,8 @@ __all__ = ["TiffReader", "left_to_gdal"]
 Samples = npt.NDArray[Any]
 
 _COMPRESSION, _STRIPS, _STRIP_BYTES, _TILES, _TILE_BYTES = 259, 273, 279, 324, 325
-_KNOWN = (1, 2, 3, 4, 5, 6, 7, 8, 32766, 32771, 32773, 32809, 32946, 34676, 34677, 50001)
-"""Compressions that OpenImageIO's libtiff reads."""
+_KNOWN = (0, 1, 2, 3, 4, 5, 6, 7, 8, 32766, 32771, 32773, 32809, 32946, 34676, 34677, 50001)
+"""Compressions that OpenImageIO's libtiff reads; 0 where none is stated."""
 _NAMES = {50000: "ZSTD", 34887: "LERC", 34925: "LZMA", 50002: "JPEG XL", 52546: "JPEG XL", 34712: "JPEG 2000"}
 
 _WIDTHS = {3: 2, 4: 4, 16: 8}
@@ -41,35 +41,28 @@ _PROGRAM = "convert it first, as with gdal_translate -co COMPRESS=DEFLATE IN a.t
 
 def left_to_gdal(data: Bytes) -> str | None:
     """Why OpenImageIO does not read the samples of the first page of a TIFF file; None if it does."""
-    try:
-        found = ifd.load(data, {_COMPRESSION, _STRIPS, _STRIP_BYTES, _TILES, _TILE_BYTES})
-    except struct.error:
-        return None
-    compression = int.from_bytes(_data(found, _COMPRESSION)[:2], "little") or 1
+    found = ifd.entries(data, {_COMPRESSION, _STRIPS, _STRIP_BYTES, _TILES, _TILE_BYTES})
+    compression = found[_COMPRESSION].short if _COMPRESSION in found else 0
     if compression not in _KNOWN:
         return f"it is compressed by {_NAMES.get(compression, f'method {compression}')}"
     for offsets, lengths in ((_STRIPS, _STRIP_BYTES), (_TILES, _TILE_BYTES)):
-        at, size = _numbers(found, offsets), _numbers(found, lengths)
+        at, size = _numbers(found.get(offsets)), _numbers(found.get(lengths))
         if len(at) == len(size) and ((at == 0) & (size == 0)).any():
             return "it is sparse, some of its strips or tiles are not there"
     return None
 
 
-def _data(directory: ifd.Directory, tag: int) -> bytes:
-    entry = directory.get(tag)
-    return entry.data if isinstance(entry, ifd.Entry) else b""
+def _numbers(entry: ifd.Entry | None) -> npt.NDArray[np.unsignedinteger[Any]]:
+    width = 0 if entry is None else _WIDTHS.get(entry.kind, 0)
+    return np.frombuffer(entry.data, f"<u{width}") if entry and width else np.empty(0, np.uint8)
 
 
-def _numbers(directory: ifd.Directory, tag: int) -> npt.NDArray[np.unsignedinteger[Any]]:
-    entry = directory.get(tag)
-    width = _WIDTHS.get(entry.kind, 0) if isinstance(entry, ifd.Entry) else 0
-    return np.frombuffer(_data(directory, tag), f"<u{width}") if width else np.empty(0, np.uint8)
-
-
-class TiffReader:
+class TiffReader(Reader):
     """An open page, whose samples come as OpenImageIO would give them: stretched to whole bytes, 8 bits of which 0 is
     white turned over, palettes and inks as RGB. What is not there is 0 or the nodata value.
     """
+
+    kind = "tiff"
 
     def __init__(self, path: Path, number: int, header: ImageSpec, reason: str) -> None:
         """number: of the page's directory, from 0; header: OpenImageIO's; reason: as `left_to_gdal` says.
@@ -102,10 +95,6 @@ class TiffReader:
         if str(spec.format) == "double":
             spec.set_format(oiio.TypeDesc("float"))
         return spec
-
-    def format_name(self) -> str:
-        """OpenImageIO's name of the format."""
-        return "tiff"
 
     def read_tiles(self, _: int, __: int, left: int, right: int, top: int, bottom: int, *___: Any) -> Samples:
         """Pixels [h, w, C] from column left to right, row top to bottom. Raises PictureError."""
@@ -148,10 +137,6 @@ class TiffReader:
                 f"{self._reason}, and GDAL finds {samples.shape[-1]} of its {count} channels; {_PROGRAM}"
             )
         return samples[..., :count]
-
-    def geterror(self) -> str:
-        """Nothing: errors are raised."""
-        return ""
 
     def close(self) -> None:
         """Close the file."""

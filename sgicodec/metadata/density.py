@@ -5,9 +5,9 @@ from __future__ import annotations
 import struct
 from typing import NamedTuple
 
-from sgicodec.metadata import geo, ifd, tiff
+from sgicodec.metadata import geo, ifd
 
-__all__ = ["Density", "density", "is_default", "per_inch", "tags"]
+__all__ = ["Density", "density", "of_tags", "per_inch", "tags"]
 
 _X, _Y, _UNIT = 282, 283, 296
 _NONE, _INCH, _CENTIMETRE = 1, 2, 3
@@ -38,27 +38,29 @@ class Density(NamedTuple):
     @property
     def says_nothing(self) -> bool:
         """Whether it is what is written for want of a measurement."""
-        across, down = (above / below for above, below in (self.across, self.down))
-        return across == down if self.unit == _NONE else is_default(self.unit, across, down)
+        across, down = self.per(self.unit)
+        is_default = self.unit == _NONE or abs(across * _PER_METRE[self.unit] / _DEFAULT - 1) < 0.02
+        return across == down and is_default
 
-
-def is_default(unit: int, across: float, down: float) -> bool:
-    """Whether it is plain 72 pixels per inch, which is no measurement."""
-    factor = _PER_METRE.get(unit, 0.0)
-    return across == down and abs(across * factor / _DEFAULT - 1) < 0.02
+    def tags(self) -> dict[int, ifd.Entry]:
+        """The tags of TIFF that state it."""
+        pairs = ((_X, self.across), (_Y, self.down))
+        entries = {tag: ifd.Entry(_RATIONAL, struct.pack("<II", *pair)) for tag, pair in pairs}
+        return {**entries, _UNIT: ifd.Entry(_SHORT, struct.pack("<H", self.unit))}
 
 
 def density(metadata_geo: bytes | None, exif: bytes | None) -> Density | None:
     """What the blobs of a picture state, `geo` first; None where they say nothing."""
-    found = (_of_tags(tags) for tags in (geo.load(metadata_geo), tiff.described(exif)))
+    found = (of_tags(tags) for tags in (geo.load(metadata_geo), ifd.entries(exif, geo.RESOLUTION)))
     return next((each for each in found if each is not None and not each.says_nothing), None)
 
 
-def _of_tags(entries: dict[int, ifd.Entry]) -> Density | None:
+def of_tags(entries: dict[int, ifd.Entry]) -> Density | None:
+    """What these tags state, None where they do not."""
     pair = [entries.get(tag) for tag in (_X, _Y)]
     ratios = [struct.unpack("<II", e.data) for e in pair if e is not None and (e.kind, len(e.data)) == (_RATIONAL, 8)]
     unit = entries.get(_UNIT)
-    kind = _INCH if unit is None else int.from_bytes(unit.data[:2], "little")
+    kind = _INCH if unit is None else unit.short
     if len(ratios) < 2 or kind not in (_NONE, *_PER_METRE) or not all(map(all, ratios)):
         return None
     return Density(ratios[0], ratios[1], kind)
@@ -82,6 +84,4 @@ def tags(found: Density | None, exif: bytes | None) -> bytes | None:
     """
     if found is None or found.says_nothing or density(None, exif) is not None:
         return None
-    pairs = {_X: found.across, _Y: found.down}
-    entries: ifd.Directory = {tag: ifd.Entry(_RATIONAL, struct.pack("<II", *pair)) for tag, pair in pairs.items()}
-    return geo.pack({**entries, _UNIT: ifd.Entry(_SHORT, struct.pack("<H", found.unit))})
+    return geo.pack(found.tags())

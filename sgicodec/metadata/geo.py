@@ -6,9 +6,7 @@ They travel as one blob, a little-endian TIFF structure whose only directory hol
 
 from __future__ import annotations
 
-import contextlib
-import struct
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from sgicodec.metadata import gdal, ifd
@@ -38,18 +36,15 @@ PLACE = frozenset({PIXEL_SCALE, TIEPOINTS, MATRIX, RPC})
 _ASCII = 2
 
 
-def pack(directory: ifd.Directory) -> bytes | None:
+def pack(directory: Mapping[int, ifd.Entry | ifd.Directory]) -> bytes | None:
     """The blob of those entries of a directory that belong in it, or None if there are none."""
-    entries: ifd.Directory = {tag: directory[tag] for tag in sorted(directory.keys() & TAGS)}
+    entries = {tag: directory[tag] for tag in sorted(directory.keys() & TAGS)}
     return b"II*\0\x08\0\0\0" + ifd.dump(entries, 8) if entries else None
 
 
 def load(blob: bytes | None) -> dict[int, ifd.Entry]:
     """The entries of a blob; none if it is damaged or None."""
-    with contextlib.suppress(struct.error):
-        if blob is not None:
-            return {tag: item for tag, item in ifd.load(blob, TAGS).items() if isinstance(item, ifd.Entry)}
-    return {}
+    return ifd.entries(blob, TAGS)
 
 
 def has_place(blob: bytes | None) -> bool:
@@ -81,9 +76,9 @@ def without_statistics(blob: bytes | None) -> bytes | None:
     """The blob for a picture whose samples are not exactly the same any more: GDAL's statistics and histograms of them
     are left behind.
     """
-    entries: ifd.Directory = dict(load(blob))
+    entries = load(blob)
     entry = entries.pop(GDAL_METADATA, None)
-    if not isinstance(entry, ifd.Entry):
+    if entry is None:
         return blob
     text = gdal.without_statistics(entry.data)
     if text:
@@ -96,10 +91,9 @@ def resampled(blob: bytes | None, convert: Callable[[float], float | None]) -> b
 
     GDAL's metadata is left behind: scales, offsets and statistics of samples are no longer true.
     """
-    entries: ifd.Directory = dict(load(blob))
+    entries = load(blob)
     entries.pop(GDAL_METADATA, None)
-    entry = entries.pop(GDAL_NODATA, None)
-    if isinstance(entry, ifd.Entry):
+    if entries.pop(GDAL_NODATA, None) is not None:
         import numpy as np
 
         old = nodata(blob, np.dtype(np.float64))

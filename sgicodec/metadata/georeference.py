@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import re
-import struct
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
-from sgicodec.metadata import geo, ifd
-from sgicodec.metadata.density import is_default
+from sgicodec.metadata import density, geo, ifd
 from sgicodec.metadata.placement import transformation
 
 __all__ = ["Georeference", "Resolution", "georeference", "resolution"]
@@ -32,13 +30,9 @@ _CITED = re.compile(
 """A name inside a citation of ERDAS, ESRI or GDAL."""
 
 _DESCRIPTION = 270
-_X, _Y, _UNIT = 282, 283, 296
 _MICRONS = {2: 25400.0, 3: 10000.0}
 _PER = {2: "inch", 3: "cm"}
 _APERIO = re.compile(rb"\bMPP\s*=\s*([0-9.]+)")
-_OME = re.compile(rb'\bPhysicalSizeX="([0-9.eE+-]+)"')
-_OME_Y = re.compile(rb'\bPhysicalSizeY="([0-9.eE+-]+)"')
-_OME_UNIT = re.compile(r'\bPhysicalSizeXUnit="(?!µm"|&#181;m"|&#xb5;m")'.encode())
 
 
 @dataclass(frozen=True)
@@ -139,54 +133,31 @@ def _printable(text: bytes) -> str:
 
 
 def resolution(blob: bytes | None, exif: bytes | None) -> Resolution | None:
-    """How large a pixel is, by the description of a slide (Aperio, OME), else by the resolution in the `geo` blob or
+    """How large a pixel is, by the description of a slide (Aperio), else by the resolution in the `geo` blob or
     the EXIF; None where nothing says so in a unit of length.
     """
-    described = _loaded(exif)
+    described = ifd.entries(exif, {_DESCRIPTION, *geo.RESOLUTION})
     text = described.get(_DESCRIPTION)
     slide = None if text is None else _of_slide(text.data)
     return slide or _of_tags(geo.load(blob)) or _of_tags(described)
 
 
-def _loaded(exif: bytes | None) -> dict[int, ifd.Entry]:
-    try:
-        directory = {} if exif is None else ifd.load(exif, {_DESCRIPTION, _X, _Y, _UNIT})
-    except struct.error:
-        directory = {}
-    return {tag: item for tag, item in directory.items() if isinstance(item, ifd.Entry)}
-
-
 def _of_slide(description: bytes) -> Resolution | None:
-    aperio, ome = _APERIO.search(description), _OME.search(description)
+    aperio = _APERIO.search(description)
     try:
-        if aperio:
-            return _sound((float(aperio[1]),) * 2, "Aperio MPP")
-        if ome and not _OME_UNIT.search(description):
-            down = _OME_Y.search(description) or ome
-            return _sound((float(ome[1]), float(down[1])), "OME PhysicalSize")
+        return _sound((float(aperio[1]),) * 2, "Aperio MPP") if aperio else None
     except ValueError:
-        pass
-    return None
+        return None
 
 
 def _of_tags(entries: dict[int, ifd.Entry]) -> Resolution | None:
-    unit = entries.get(_UNIT)
-    kind = 2 if unit is None else int.from_bytes(unit.data[:2], "little")
-    sizes = [_ratio(entries.get(tag)) for tag in (_X, _Y)]
-    if kind not in _MICRONS or not all(sizes):
+    found = density.of_tags(entries)
+    if found is None or found.unit not in _MICRONS or found.says_nothing:
         return None
-    across, down = (float(size) for size in sizes if size)
-    if is_default(kind, across, down):
-        return None
+    across, down = found.per(found.unit)
     stated = f"{across:g}" if across == down else f"{across:g} × {down:g}"
-    return _sound((_MICRONS[kind] / across, _MICRONS[kind] / down), f"{stated} pixels per {_PER[kind]}")
-
-
-def _ratio(entry: ifd.Entry | None) -> float | None:
-    if entry is None or len(entry.data) != 8:
-        return None
-    above, below = struct.unpack("<II", entry.data)
-    return above / below if below else None
+    microns = _MICRONS[found.unit]
+    return _sound((microns / across, microns / down), f"{stated} pixels per {_PER[found.unit]}")
 
 
 def _sound(microns: tuple[float, ...], stated: str) -> Resolution | None:

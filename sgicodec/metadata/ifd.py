@@ -10,7 +10,7 @@ from __future__ import annotations
 import contextlib
 import itertools
 import struct
-from collections.abc import Container
+from collections.abc import Container, Mapping
 from dataclasses import dataclass
 from typing import NamedTuple, Union
 
@@ -25,9 +25,12 @@ __all__ = [
     "Layout",
     "damage",
     "dump",
+    "entries",
     "first_directory",
+    "first_integer",
     "layout",
     "load",
+    "offset",
     "rows",
 ]
 
@@ -56,7 +59,7 @@ _VALUE_SIZE = {
 """Bytes of one value of each TIFF type; 16 to 18 are BigTIFF's, 129 is EXIF 3.0's text in UTF-8."""
 
 _RATIONALS = (5, 10)
-_LONG, _LONG8 = 4, 16
+_SHORT, _LONG, _LONG8 = 3, 4, 16
 _ASCII, _UTF8 = 2, 129
 
 
@@ -65,6 +68,11 @@ class Entry(NamedTuple):
 
     kind: int
     data: bytes
+
+    @property
+    def short(self) -> int:
+        """The first value of a tag of short integers."""
+        return int.from_bytes(self.data[:2], "little")
 
 
 Directory = dict[int, Union[Entry, "Directory"]]
@@ -128,11 +136,29 @@ def rows(data: Bytes, at: int, spelling: Layout) -> list[Row]:
 
 def first_directory(data: Bytes, spelling: Layout) -> int:
     """Place of the first directory. Raises struct.error if there is none."""
-    return _offset(data, spelling.first, spelling)
+    return offset(data, spelling.first, spelling)
 
 
-def _offset(data: Bytes, at: int, spelling: Layout) -> int:
+def offset(data: Bytes, at: int, spelling: Layout) -> int:
+    """The offset that stands at byte `at`. Raises struct.error past the end."""
     return int(spelling.offset.unpack(data[at : at + spelling.offset.size])[0])
+
+
+def first_integer(data: Bytes, row: Row, spelling: Layout) -> int:
+    """The first value of a row of short or long integers; what stands there of any other."""
+    form = struct.Struct(spelling.order + "H") if row.kind == _SHORT else spelling.offset
+    return int(form.unpack(data[row.at : row.at + form.size])[0])
+
+
+def entries(data: Bytes | None, only: Container[int]) -> dict[int, Entry]:
+    """The values of the tags in `only` of the first directory, as far as they are sound; none of what is no TIFF
+    structure, or None.
+    """
+    try:
+        found = {} if data is None else load(data, only)
+    except struct.error:
+        return {}
+    return {tag: item for tag, item in found.items() if isinstance(item, Entry)}
 
 
 def damage(data: Bytes) -> str | None:
@@ -175,7 +201,7 @@ def _load(
         if row.tag in pointers:
             inner = (INTEROP_IFD,) if row.tag == EXIF_IFD else ()
             with contextlib.suppress(struct.error):
-                directory[row.tag] = _load(data, _offset(data, row.at, spelling), spelling, inner)
+                directory[row.tag] = _load(data, offset(data, row.at, spelling), spelling, inner)
         else:
             kind = _ASCII if row.kind == _UTF8 else row.kind  # which readers of TIFF do not know
             directory[row.tag] = Entry(kind, _little(bytes(data[start : start + size]), row.kind, spelling))
@@ -185,7 +211,7 @@ def _load(
 def _extent(data: Bytes, row: Row, spelling: Layout) -> tuple[int, int]:
     """Start and length in bytes of a row's values; no length if their type is unknown."""
     size = _VALUE_SIZE.get(row.kind, 0) * row.values
-    return (row.at if size <= spelling.offset.size else _offset(data, row.at, spelling)), size
+    return (row.at if size <= spelling.offset.size else offset(data, row.at, spelling)), size
 
 
 def _little(values: bytes, kind: int, spelling: Layout) -> bytes:
@@ -198,7 +224,7 @@ def _little(values: bytes, kind: int, spelling: Layout) -> bytes:
     return bytes(found)
 
 
-def dump(directory: Directory, start: int, *, big: bool = False) -> bytes:
+def dump(directory: Mapping[int, Entry | Directory], start: int, *, big: bool = False) -> bytes:
     """Little-endian bytes of a directory that will stand at byte `start` (even), its values and
     subdirectories behind it.
     """
@@ -207,14 +233,14 @@ def dump(directory: Directory, start: int, *, big: bool = False) -> bytes:
     behind = start + len(table) + len(directory) * spelling.row.size + spelling.offset.size
     tail = bytearray()
     for tag, item in sorted(directory.items()):
-        offset = spelling.offset.pack(behind + len(tail))
+        place = spelling.offset.pack(behind + len(tail))
         if isinstance(item, dict):
-            table += spelling.row.pack(tag, _LONG8 if big else _LONG, 1, offset)
+            table += spelling.row.pack(tag, _LONG8 if big else _LONG, 1, place)
             tail += dump(item, behind + len(tail), big=big)
             continue
         count = len(item.data) // _VALUE_SIZE[item.kind]
         inline = len(item.data) <= spelling.offset.size
-        table += spelling.row.pack(tag, item.kind, count, item.data if inline else offset)
+        table += spelling.row.pack(tag, item.kind, count, item.data if inline else place)
         if not inline:
             tail += item.data + bytes(len(item.data) % 2)
     return bytes(table + spelling.offset.pack(0) + tail)

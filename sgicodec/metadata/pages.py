@@ -16,7 +16,6 @@ _SUBFILE, _OLD_SUBFILE, _WIDTH, _HEIGHT, _DESCRIPTION, _TILE_WIDTH = 254, 255, 2
 _ASKED = (_SUBFILE, _OLD_SUBFILE, _WIDTH, _HEIGHT, _TILE_WIDTH)
 _REDUCED_OR_MASK, _OLD_REDUCED = 1 | 4, 2
 _APERIO = b"Aperio"
-_SHORT = 3
 
 
 class Page(NamedTuple):
@@ -50,28 +49,20 @@ def _directories(data: Bytes, spelling: ifd.Layout) -> Iterator[tuple[Page, bool
         while offset and offset not in seen:
             seen.add(offset)
             found = ifd.rows(data, offset, spelling)
-            values = {row.tag: _value(data, row, spelling) for row in found if row.tag in _ASKED}
+            values = {row.tag: ifd.first_integer(data, row, spelling) for row in found if row.tag in _ASKED}
             own = not values.get(_SUBFILE, 0) & _REDUCED_OR_MASK and values.get(_OLD_SUBFILE) != _OLD_REDUCED
             size = values.get(_WIDTH, 0), values.get(_HEIGHT, 0)
             yield Page(len(seen) - 1, offset, *size, _TILE_WIDTH in values), own
             end = offset + spelling.count.size + len(found) * spelling.row.size
-            (offset,) = spelling.offset.unpack(data[end : end + spelling.offset.size])
+            offset = ifd.offset(data, end, spelling)
     except struct.error:
         return
 
 
-def _value(data: Bytes, row: ifd.Row, spelling: ifd.Layout) -> int:
-    form = struct.Struct(spelling.order + "H") if row.kind == _SHORT else spelling.offset
-    return int(form.unpack(data[row.at : row.at + form.size])[0])
-
-
 def _is_slide(data: Bytes) -> bool:
     """Whether the file is Aperio's: its levels follow each other like pages."""
-    try:
-        entry = ifd.load(data, {_DESCRIPTION}).get(_DESCRIPTION)
-    except struct.error:
-        return False
-    return isinstance(entry, ifd.Entry) and entry.data.startswith(_APERIO)
+    entry = ifd.entries(data, {_DESCRIPTION}).get(_DESCRIPTION)
+    return entry is not None and entry.data.startswith(_APERIO)
 
 
 def _are_levels(pages: list[Page]) -> bool:

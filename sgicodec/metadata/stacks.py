@@ -7,16 +7,17 @@ from __future__ import annotations
 import html
 import re
 import struct
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from fractions import Fraction
 
 from sgicodec.metadata import ifd
+from sgicodec.metadata.density import Density
 from sgicodec.metadata.filebytes import Bytes
 
 __all__ = ["images", "resolution_tags", "states_shape", "without_shape"]
 
-_DESCRIPTION, _X, _Y, _UNIT = 270, 282, 283, 296
-_ASCII, _SHORT, _RATIONAL = 2, 3, 5
+_DESCRIPTION, _X, _Y = 270, 282, 283
+_ASCII = 2
 _CENTIMETRE, _MICRONS = 3, 10000
 _MAX_PART = 10**8
 """Of numerator and denominator of a resolution."""
@@ -41,10 +42,7 @@ def states_shape(directory: ifd.Directory) -> bool:
 
 def images(data: Bytes) -> int:
     """How many images ImageJ says that a TIFF file holds; 1 if it does not."""
-    try:
-        found = _IMAGES.search(_text(ifd.load(data, {_DESCRIPTION})))
-    except struct.error:
-        return 1
+    found = _IMAGES.search(_text(ifd.entries(data, {_DESCRIPTION})))
     return int(found[1]) if found else 1
 
 
@@ -63,12 +61,12 @@ def without_shape(directory: ifd.Directory) -> ifd.Directory:
     return kept | ({_DESCRIPTION: ifd.Entry(_ASCII, f"AppMag = {power[1]}\0".encode())} if power else {})
 
 
-def _text(directory: ifd.Directory) -> bytes:
+def _text(directory: Mapping[int, ifd.Entry | ifd.Directory]) -> bytes:
     entry = directory.get(_DESCRIPTION)
     return entry.data if isinstance(entry, ifd.Entry) else b""
 
 
-def resolution_tags(microns: Sequence[str | Fraction | None]) -> ifd.Directory:
+def resolution_tags(microns: Sequence[str | Fraction | None]) -> dict[int, ifd.Entry]:
     """The tags of a resolution by the size of pixels in x and y, in micrometres; none where it is no sound size."""
     try:
         ratios = [Fraction(_MICRONS) / Fraction(value or "0") for value in microns]
@@ -76,11 +74,9 @@ def resolution_tags(microns: Sequence[str | Fraction | None]) -> ifd.Directory:
         return {}
     if len(ratios) != 2 or not all(0 < ratio < _MAX_PART for ratio in ratios):
         return {}
-    entries: ifd.Directory = {_UNIT: ifd.Entry(_SHORT, struct.pack("<H", _CENTIMETRE))}
-    for tag, ratio in zip((_X, _Y), ratios, strict=True):
-        near = ratio.limit_denominator(int(_MAX_PART / max(1.0, float(ratio))))
-        entries[tag] = ifd.Entry(_RATIONAL, struct.pack("<II", near.numerator, near.denominator))
-    return entries
+    near = (ratio.limit_denominator(int(_MAX_PART / max(1.0, float(ratio)))) for ratio in ratios)
+    across, down = (ratio.as_integer_ratio() for ratio in near)
+    return Density(across, down, _CENTIMETRE).tags()
 
 
 def _ome_sizes(text: str) -> Sequence[Fraction]:

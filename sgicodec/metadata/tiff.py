@@ -61,11 +61,7 @@ def _says_nothing(directory: ifd.Directory) -> bool:
 
 def described(exif: bytes | None) -> dict[int, ifd.Entry]:
     """The descriptive tags of an EXIF blob, and its resolution; none of a damaged one."""
-    try:
-        found = {} if exif is None else ifd.load(exif, _DESCRIPTIVE | geo.RESOLUTION)
-    except struct.error:
-        return {}
-    return {tag: item for tag, item in found.items() if isinstance(item, ifd.Entry)}
+    return ifd.entries(exif, _DESCRIPTIVE | geo.RESOLUTION)
 
 
 def insert(

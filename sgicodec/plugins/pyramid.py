@@ -115,7 +115,7 @@ def _first_page(stream: Stream, bands: Bands, ome: bool, view: Mapping[str, Any]
     page: dict[str, Any] = {"extratags": keep}
     if x is not None and y is not None:
         pair = tuple(tuple(np.frombuffer(entry.data, "<u4", 2).tolist()) for entry in (x, y))
-        page |= {"resolution": pair, "resolutionunit": 2 if unit is None else int.from_bytes(unit.data[:2], "little")}
+        page |= {"resolution": pair, "resolutionunit": 2 if unit is None else unit.short}
     if ome:
         page["metadata"] = {"axes": "YXS" if stream.header.spec.channels > 1 else "YX"}
         microns = _microns(stream.metadata, stream, bands, view)

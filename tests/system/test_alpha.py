@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import struct
 from pathlib import Path
 
 import numpy as np
 import pytest
+from tags import TIED, geo_of, text
 
 from sgicodec import EncodeSettings, NullListener, Picture, encode_picture, open_source, read, write
 from sgicodec.decoder.stream import open_stream
-from sgicodec.metadata import geo, ifd
 from sgicodec.picture import Metadata, full_range
 
 DATA = Path(__file__).parents[1] / "data"
@@ -38,11 +37,6 @@ def colours() -> np.ndarray:
 
 def with_alpha(colours: np.ndarray, alpha: int) -> np.ndarray:
     return np.dstack([colours, np.full(colours.shape[:2], alpha, np.uint8)])
-
-
-def place(*more: tuple[int, ifd.Entry]) -> Metadata:
-    scale, tie = struct.pack("<3d", 10, 10, 0), struct.pack("<6d", 0, 0, 0, 5e5, 6e6, 0)
-    return Metadata(geo=geo.pack({33550: ifd.Entry(12, scale), 33922: ifd.Entry(12, tie), **dict(more)}))
 
 
 @pytest.mark.parametrize("tile", TILES)
@@ -86,21 +80,21 @@ def test_what_is_opaque_beside_other_alpha_stays_opaque(colours: np.ndarray, til
 @pytest.mark.parametrize("nodata", [False, True])
 def test_a_stream_of_nothing_says_so(tile: int, nodata: bool) -> None:
     notes, pixels = Notes(), np.zeros((70, 80, 4), np.uint8)
-    metadata = place((42113, ifd.Entry(2, b"0\0"))) if nodata else Metadata()
+    metadata = Metadata(geo=geo_of({**TIED, 42113: text("0")})) if nodata else Metadata()
     picture = Picture(pixels[..., :3] if nodata else pixels, "rgb" if nodata else "rgba", (0.0, 255.0), metadata)
     encode_picture(picture, EncodeSettings(steps=5, tile=tile), progress=notes)
     what = "every pixel has the nodata value" if nodata else "alpha is 0 everywhere and there are no colours"
     assert notes.texts == [f"{what}; the stream holds no picture"]
 
 
-@pytest.mark.parametrize("nodata", [None, b"0\0"])
-def test_near_infrared_that_is_declared_as_alpha(tmp_path: Path, colours: np.ndarray, nodata: bytes | None) -> None:
+@pytest.mark.parametrize("nodata", [None, "0"])
+def test_near_infrared_that_is_declared_as_alpha(tmp_path: Path, colours: np.ndarray, nodata: str | None) -> None:
     """A satellite's fourth band may be declared as alpha. It is told, and as a band it hides nothing."""
     infrared = colours[..., :1] // 2
     infrared[20:60, 20:80] = 0
     pixels = np.concatenate([colours, infrared], axis=2)
-    tags = [] if nodata is None else [(geo.GDAL_NODATA, ifd.Entry(2, nodata))]
-    write(Picture(pixels, "rgba", (0.0, 255.0), place(*tags)), tmp_path / "x.tif")
+    tags = TIED if nodata is None else {**TIED, 42113: text(nodata)}
+    write(Picture(pixels, "rgba", (0.0, 255.0), Metadata(geo=geo_of(tags))), tmp_path / "x.tif")
     errors = {}
     for alpha in ("auto", "band"):
         notes = Notes()

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import struct
 from pathlib import Path
 
 import numpy as np
 import pytest
+from tags import TIED, geo_of, text
 
 from sgicodec import EncodeSettings, Picture, encode_picture, read
 from sgicodec.decoder.stream import open_stream
 from sgicodec.errors import CorruptStreamError
-from sgicodec.metadata import geo, ifd
 from sgicodec.metadata.placement import view as geo_view
 from sgicodec.picture import Metadata, nodata_mask
 
@@ -22,10 +21,7 @@ TILES = [0, 128]
 
 def blob(nodata: bytes) -> bytes:
     """A place, and what stands for nothing."""
-    scale, tie = struct.pack("<3d", 10, 10, 0), struct.pack("<6d", 0, 0, 0, 5e5, 6e6, 0)
-    packed = geo.pack({33550: ifd.Entry(12, scale), 33922: ifd.Entry(12, tie), 42113: ifd.Entry(2, nodata + b"\0")})
-    assert packed
-    return packed
+    return geo_of({**TIED, 42113: text(nodata)})
 
 
 @pytest.fixture(scope="module")

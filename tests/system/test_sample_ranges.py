@@ -11,11 +11,10 @@ import pytest
 from click.testing import CliRunner
 
 import sgicodec
-from sgicodec import image
 from sgicodec.cli.main import cli
 from sgicodec.picture import Picture
 
-PHOTO = image.read(Path(__file__).parents[1] / "data" / "kodim23.png").pixels[100:292, 180:372]
+PHOTO = sgicodec.read(Path(__file__).parents[1] / "data" / "kodim23.png").pixels[100:292, 180:372]
 UNIT = PHOTO / 255.0
 
 
@@ -118,7 +117,7 @@ def test_not_a_number_and_infinity_come_back(tile: int) -> None:
 )
 def test_the_command_line_chooses_a_range(tmp_path: Path, choice: str | None, expected: tuple[float, float]) -> None:
     picture = Picture(scaled(3000), "rgb", (0.0, 65535.0))
-    image.write(picture, tmp_path / "in.png")
+    sgicodec.write(picture, tmp_path / "in.png")
     given = [] if choice is None else ["--range", choice]
     found = CliRunner().invoke(cli, ["encode", str(tmp_path / "in.png"), "-e", "1", *given])
     assert found.exit_code == 0

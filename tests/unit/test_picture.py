@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from tags import geo_of, text
 
 from sgicodec.errors import UsageError
-from sgicodec.metadata import geo, ifd
+from sgicodec.metadata import geo
 from sgicodec.picture import Metadata, Picture, convert, from_unit, full_range, nodata_mask, to_unit
 
 
@@ -85,7 +86,7 @@ def test_contradictions_are_refused(
 
 
 def _geo(nodata: bytes) -> Metadata:
-    return Metadata(geo=geo.pack({geo.GDAL_NODATA: ifd.Entry(2, nodata + b"\0")}))
+    return Metadata(geo=geo_of({geo.GDAL_NODATA: text(nodata)}))
 
 
 def test_pixels_without_data() -> None:

@@ -17,7 +17,7 @@ from sgicodec.picture import Picture, opaque_mask
 
 if TYPE_CHECKING:
     from sgicodec.encoder.progress import NullListener
-    from sgicodec.image import Source
+    from sgicodec.image.source import Source
 
 __all__ = ["Windows", "kept", "tile_window", "windows_of", "without_needless_alpha"]
 

@@ -17,7 +17,8 @@ from sgicodec.encoder.plan import Plan
 from sgicodec.encoder.tiles.tasks import Task
 from sgicodec.errors import PictureError
 from sgicodec.executors.executor import Executor
-from sgicodec.image import Alpha, Source, open_source
+from sgicodec.image.opened import Alpha
+from sgicodec.image.source import Source, open_source
 from sgicodec.image.used_range import SampleUse
 from sgicodec.picture import Picture
 

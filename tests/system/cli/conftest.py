@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 from click.testing import CliRunner, Result
 
+from sgicodec import write
 from sgicodec.cli.main import cli
 from sgicodec.device import Device
 from sgicodec.encoder import pipeline as encoder
 from sgicodec.errors import SgiError
-from sgicodec.image import write
 from sgicodec.picture import Picture
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from click.testing import Result
 
-from sgicodec.image import read, write
+from sgicodec import read, write
 
 Run = Callable[..., Result]
 

@@ -11,8 +11,9 @@ import numpy as np
 import pytest
 from click.testing import Result
 
+from sgicodec import read, write
 from sgicodec.decoder.stream import open_stream
-from sgicodec.image import probe, read, write
+from sgicodec.image.reader import probe
 from sgicodec.picture import convert, from_unit
 
 Run = Callable[..., Result]

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from fake_cuda import fake_driver
 
+from sgicodec import read
 from sgicodec.cuda import compiler, driver, gpu
-from sgicodec.image import read
 
 Run = Any
 

@@ -12,10 +12,10 @@ import numpy as np
 import pytest
 from click.testing import Result
 
+from sgicodec import write
 from sgicodec.cli.encode_listener import EncodeListener
 from sgicodec.decoder.stream import open_stream
 from sgicodec.encoder import pipeline as encoder
-from sgicodec.image import write
 from sgicodec.metrics.psnr import psnr
 from sgicodec.picture import Picture
 from sgicodec.profiles.default import lmbda_of_quality

@@ -12,12 +12,12 @@ import numpy as np
 import pytest
 from click.testing import Result
 
+from sgicodec import read, write
 from sgicodec.decoder.stream import open_stream
 from sgicodec.encoder import pipeline
 from sgicodec.encoder.tile.state import Tile
 from sgicodec.encoder.tiles import tasks
 from sgicodec.files.lock import locked
-from sgicodec.image import read, write
 from sgicodec.picture import Metadata, Picture, from_unit
 
 Run = Callable[..., Result]

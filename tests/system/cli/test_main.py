@@ -158,7 +158,6 @@ def test_internal_error(sgi: Run, stream: Path, monkeypatch: pytest.MonkeyPatch,
         raise KeyError("two\nlines")
 
     monkeypatch.setattr(decoder, "open_stream", fail)
-    monkeypatch.setattr("sgicodec.image.read", fail)
     arguments = [command, stream, stream] if command == "compare" else [command, stream, "--survey"]
     result = sgi(*arguments, *(["-v"] if verbose else []))
     assert result.exit_code == 1

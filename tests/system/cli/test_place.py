@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import struct
 from collections.abc import Callable
 from pathlib import Path
 
@@ -12,8 +11,9 @@ import pytest
 import tifffile
 from click.testing import Result
 from PIL import Image
+from tags import TIED, geo_keys, geo_of, rational, shorts, text
 
-from sgicodec.image import read, write
+from sgicodec import read, write
 from sgicodec.metadata import geo, ifd
 from sgicodec.picture import Metadata, Picture
 
@@ -26,19 +26,9 @@ def placed(sgi: Run, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The stream of a GeoTIFF with a nodata value and a resolution."""
     folder = tmp_path_factory.mktemp("placed")
     rows = [(1024, 0, 1, 1), (1025, 0, 1, 1), (1026, 34737, 22, 0), (3072, 0, 1, 32633), (3076, 0, 1, 9001)]
-    flat = [1, 1, 0, len(rows), *(value for row in rows for value in row)]
-    blob = geo.pack(
-        {
-            282: ifd.Entry(5, struct.pack("<II", 10000, 1)),
-            283: ifd.Entry(5, struct.pack("<II", 10000, 1)),
-            296: ifd.Entry(3, b"\3\0"),
-            33550: ifd.Entry(12, struct.pack("<3d", 10, 10, 0)),
-            33922: ifd.Entry(12, struct.pack("<6d", 0, 0, 0, 5e5, 6e6, 0)),
-            34735: ifd.Entry(3, struct.pack(f"<{len(flat)}H", *flat)),
-            34737: ifd.Entry(2, b"WGS 84 / UTM zone 33N|\0"),
-            42113: ifd.Entry(2, b"0\0"),
-        }
-    )
+    scale = {282: rational(10000), 283: rational(10000), 296: shorts(3)}
+    system = {34735: geo_keys(*rows), 34737: text("WGS 84 / UTM zone 33N|"), 42113: text("0")}
+    blob = geo_of({**scale, **TIED, **system})
     pixels = np.full((24, 40, 3), 90, np.uint8)
     pixels[:4] = 0
     write(Picture(pixels, "rgb", (0.0, 255.0), Metadata(geo=blob)), folder / "x.tif")

@@ -14,8 +14,8 @@ import numpy as np
 import pytest
 from children import HANGS
 
+from sgicodec import read
 from sgicodec.decoder.stream import open_stream
-from sgicodec.image import read
 
 COMMAND = (sys.executable, "-m", "sgicodec")
 

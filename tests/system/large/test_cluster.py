@@ -11,7 +11,7 @@ import pytest
 
 pytest.importorskip("distributed")
 
-from sgicodec import EncodeSettings, encode_picture, read
+from sgicodec import EncodeSettings, encode_picture, open_source, read, write
 from sgicodec.cli.main import cli
 from sgicodec.device import ONE_THREAD
 from sgicodec.encoder.input.windows import windows_of
@@ -20,7 +20,6 @@ from sgicodec.encoder.tiles.runner import ReadingTask, TileJob
 from sgicodec.encoder.tiles.tasks import FitTask
 from sgicodec.errors import PictureError, TileFailedError, UsageError
 from sgicodec.executors.dask import open_cluster
-from sgicodec.image import open_source, write
 from sgicodec.picture import Picture
 
 

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from sgicodec import EncodeSettings, encode_picture, read
+from sgicodec import EncodeSettings, encode_picture, open_source, read
 from sgicodec.decoder.stream import open_stream
 from sgicodec.encoder.progress import NullListener, PassState
 from sgicodec.encoder.tiles.store import MemoryStore
@@ -18,7 +18,6 @@ from sgicodec.errors import UsageError
 from sgicodec.executors.executor import MIB, Executor, Memory
 from sgicodec.executors.processes import ProcessExecutor
 from sgicodec.executors.serial import SerialExecutor
-from sgicodec.image import open_source
 from sgicodec.metrics.psnr import psnr
 
 

@@ -7,12 +7,11 @@ from pathlib import Path
 
 import pytest
 
-from sgicodec import EncodeSettings, encode_picture, read
+from sgicodec import EncodeSettings, encode_picture, open_source, read
 from sgicodec.decoder.stream import open_stream
 from sgicodec.encoder.progress import NullListener, PassState
 from sgicodec.encoder.tiles.checkpoint import Checkpoint
 from sgicodec.executors.processes import ProcessExecutor
-from sgicodec.image import open_source
 from sgicodec.metrics.psnr import psnr
 
 GOALS: tuple[dict[str, float], ...] = ({"bpp": 1.5}, {"psnr": 28.0})

@@ -13,9 +13,9 @@ from fake_cuda import fake_gpu, only_gpu
 from benchmarks import _cuda_checks as checks
 from benchmarks import cuda
 from benchmarks.raster import Scene
+from sgicodec import write
 from sgicodec.cuda import sources
 from sgicodec.cuda.gpu import Gpu
-from sgicodec.image import write
 from sgicodec.picture import Picture
 
 FEW = Scene(60, 2.0, 90, 70)

@@ -10,8 +10,7 @@ import pytest
 from click.testing import CliRunner
 
 from benchmarks.ladder import Point, bytes_at, main
-from sgicodec import read
-from sgicodec.image import write
+from sgicodec import read, write
 
 PHOTO = Path(__file__).parents[2] / "data" / "kodim23.png"
 

@@ -9,7 +9,7 @@ import pytest
 
 from sgicodec.bitstream.limits import check_model
 from sgicodec.errors import LimitError
-from sgicodec.image import MAX_SAMPLES
+from sgicodec.image.header import MAX_SAMPLES
 from sgicodec.model.spec import ModelSpec
 from sgicodec.profiles.default import default_spec
 from sgicodec.profiles.paper import paper_spec

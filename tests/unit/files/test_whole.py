@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import os
 import stat
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -29,34 +27,6 @@ def test_failure_keeps_the_old_file(
         write_whole(target, b"new")
     assert target.read_bytes() == b"old"
     assert os.listdir(tmp_path) == ["a.bin"]
-
-
-WRITES = """
-import sys
-from pathlib import Path
-from sgicodec.files.whole import whole_file
-with whole_file(Path(sys.argv[1])) as file:
-    file.write(b"much")
-    file.flush()
-    print("writing", flush=True)
-    sys.stdin.read()
-"""
-
-
-def test_what_a_kill_leaves_goes_with_the_next_write_and_what_is_being_written_stays(tmp_path: Path) -> None:
-    target = tmp_path / "a.bin"
-    command = [sys.executable, "-c", WRITES, str(target)]
-    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE) as process:
-        assert process.stdout is not None
-        process.stdout.readline()
-        (unfinished,) = tmp_path.iterdir()
-        write_whole(tmp_path / "b.bin", b"x")
-        assert unfinished.read_bytes() == b"much"
-        process.kill()
-        process.wait()
-    assert unfinished.exists()
-    write_whole(target, b"x")
-    assert sorted(os.listdir(tmp_path)) == ["a.bin", "b.bin"]
 
 
 def test_permissions_follow_the_umask(tmp_path: Path) -> None:

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from window_rows import window_rows
 
+from sgicodec import open_source, read, write
 from sgicodec.errors import PictureError
-from sgicodec.image import open_source, read, write
 from sgicodec.picture import Picture
 
 Save = Callable[..., Path]

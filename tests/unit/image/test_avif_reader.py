@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 from PIL import Image, ImageCms
 
+from sgicodec import read
 from sgicodec.errors import PictureError
-from sgicodec.image import probe, read
-from sgicodec.image.reader import is_picture
+from sgicodec.image.reader import is_picture, probe
 from sgicodec.metadata import exif
 from sgicodec.metadata.orientation import upright
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sgicodec.image import read
+from sgicodec import read
 
 COLOURS = np.arange(24, dtype=np.uint8).reshape(2, 4, 3) * 10
 ALPHA = np.array([0, 255, 128, 7, 1, 254, 200, 30], np.uint8).reshape(2, 4, 1)

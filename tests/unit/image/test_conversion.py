@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from sgicodec import read
 from sgicodec.errors import UsageError
-from sgicodec.image import read
 from sgicodec.image.conversion import as_picture
 from sgicodec.metadata import density, ifd
 

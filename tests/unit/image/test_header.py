@@ -8,8 +8,8 @@ import OpenImageIO as oiio
 import pytest
 import tifffile
 
+from sgicodec import open_source, read
 from sgicodec.errors import PictureError
-from sgicodec.image import open_source, read
 
 
 @pytest.mark.parametrize("dtype", ["int8", "int16", "int32", "uint32", "float16", "float32", "float64"])

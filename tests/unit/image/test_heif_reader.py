@@ -11,8 +11,8 @@ import pillow_heif
 import pytest
 from PIL import Image, ImageCms
 
+from sgicodec import read
 from sgicodec.errors import PictureError
-from sgicodec.image import read
 from sgicodec.metadata import exif
 
 PIXELS = np.random.default_rng(3).integers(0, 256, (48, 64, 3), np.uint8)

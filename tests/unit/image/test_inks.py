@@ -10,7 +10,7 @@ import pytest
 import tifffile
 
 import sgicodec
-from sgicodec.image import open_source, read
+from sgicodec import open_source, read
 
 INKS = np.random.default_rng(5).integers(0, 256, (20, 30, 4)).astype(np.uint8)
 OTHER = np.random.default_rng(6).integers(1, 256, (20, 30, 1)).astype(np.uint8)

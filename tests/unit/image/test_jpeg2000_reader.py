@@ -8,8 +8,8 @@ import imagecodecs
 import numpy as np
 import pytest
 
+from sgicodec import open_source, read
 from sgicodec.errors import PictureError
-from sgicodec.image import open_source, read
 
 CASES = [("int8", 8, 1), ("int16", 16, 1), ("int16", 12, 1), ("int16", 12, 3), ("int16", 10, 4), ("uint32", 20, 1)]
 

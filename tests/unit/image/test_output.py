@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from sgicodec import read, write
 from sgicodec.errors import PictureError
-from sgicodec.image import read, write
 from sgicodec.image.formats import FORMATS
 from sgicodec.picture import Picture
 

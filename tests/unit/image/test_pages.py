@@ -12,8 +12,8 @@ import pytest
 import tifffile
 from PIL import Image
 
+from sgicodec import open_source, read
 from sgicodec.errors import PictureError, UsageError
-from sgicodec.image import open_source, read
 
 STACK = np.random.default_rng(2).integers(0, 256, (3, 24, 32), np.uint8)
 COLOURS = np.random.default_rng(3).integers(0, 256, (3, 24, 32, 3), np.uint8)

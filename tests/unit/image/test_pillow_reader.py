@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from sgicodec import read
 from sgicodec.errors import PictureError
-from sgicodec.image import read
 
 PIXELS = np.random.default_rng(3).integers(0, 256, (33, 20, 3), np.uint8)
 

@@ -12,8 +12,10 @@ import numpy as np
 import pytest
 from scenes import ISAS
 
+from sgicodec import write
 from sgicodec._native import png_filter
-from sgicodec.image import open_sink, png_output, write
+from sgicodec.image import png_output
+from sgicodec.image.sink import open_sink
 from sgicodec.metadata.layouts import LAYOUTS
 from sgicodec.picture import Picture, full_range
 

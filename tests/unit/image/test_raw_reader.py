@@ -10,8 +10,8 @@ import pytest
 from numpy.typing import NDArray
 from PIL import Image
 
+from sgicodec import read
 from sgicodec.errors import PictureError
-from sgicodec.image import read
 from sgicodec.image.reader import probe
 
 BAYER = np.array([[0, 1], [1, 2]])

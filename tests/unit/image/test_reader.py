@@ -10,8 +10,9 @@ import numpy as np
 import OpenImageIO as oiio
 import pytest
 
+from sgicodec import read, write
 from sgicodec.errors import PictureError
-from sgicodec.image import probe, read, write
+from sgicodec.image.reader import probe
 from sgicodec.picture import Metadata, Picture
 
 Noise = Callable[..., np.ndarray]
@@ -206,16 +207,6 @@ def test_associated_alpha_is_divided_out(pictures: Path) -> None:
     expected = (stored[..., :3] * 65535 / np.maximum(stored[..., 3:], 1))[visible]
     np.testing.assert_allclose(pixels[..., :3][visible], expected, atol=0.5)
     np.testing.assert_array_equal(pixels[~visible], stored[~visible])
-
-
-def test_bands_without_a_meaning_stay_bands(noise: Noise) -> None:
-    for count in (2, 4, 5):
-        pixels = noise(6, 7, count, "uint16")
-        file = io.BytesIO()
-        write(Picture(pixels, "multi", (0.0, 65535.0)), file, format="tiff")
-        back = read(file.getvalue())
-        assert back.channels == "multi"
-        np.testing.assert_array_equal(back.pixels, pixels)
 
 
 def test_a_profile_for_other_channels_is_left_behind(pictures: Path) -> None:

@@ -12,9 +12,11 @@ from examples import examples
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from sgicodec import read, write
 from sgicodec.errors import PictureError, UsageError
-from sgicodec.image import open_sink, output, read, sink, write
+from sgicodec.image import output, sink
 from sgicodec.image.formats import FORMATS
+from sgicodec.image.sink import open_sink
 from sgicodec.metadata import geo, ifd
 from sgicodec.metadata.layouts import LAYOUTS
 from sgicodec.picture import Metadata, Picture, full_range

@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from sgicodec import read, write
 from sgicodec.errors import PictureError
-from sgicodec.image import read, write
 from sgicodec.image.sniffed import sniffed_format
 from sgicodec.metadata.filebytes import FileBytes
 from sgicodec.picture import Picture

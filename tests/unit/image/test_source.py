@@ -16,8 +16,9 @@ from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 from window_rows import window_rows
 
+from sgicodec import open_source, read, write
 from sgicodec.errors import PictureError, UsageError
-from sgicodec.image import access, open_source, read, write
+from sgicodec.image import access
 from sgicodec.image.opened import Opened
 from sgicodec.metadata import ifd
 from sgicodec.picture import Metadata, Picture, nodata_mask

@@ -12,8 +12,8 @@ import rasterio
 import tifffile
 from rasterio.windows import Window
 
+from sgicodec import open_source, read
 from sgicodec.errors import PictureError
-from sgicodec.image import open_source, read
 
 pytestmark = pytest.mark.filterwarnings("ignore::rasterio.errors.NotGeoreferencedWarning")
 

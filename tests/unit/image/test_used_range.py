@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from tags import geo_of, text
 
+from sgicodec import open_source, read, write
 from sgicodec.errors import PictureError, UsageError
-from sgicodec.image import open_source, read, write
 from sgicodec.image.used_range import SampleUse, UsedRange, stated_use
-from sgicodec.metadata import geo, ifd
+from sgicodec.metadata import geo
 from sgicodec.picture import MAX_SAMPLE, Metadata, Picture, exact_samples, nodata_samples
 
 U8, U16, F32 = np.dtype(np.uint8), np.dtype(np.uint16), np.dtype(np.float32)
@@ -130,7 +131,7 @@ def test_choices_that_make_no_sense(choice: object) -> None:
 @pytest.mark.parametrize("nodata", [b"-9999", b"nan"])
 def test_samples_without_data_are_outside_the_range(tmp_path: Path, nodata: bytes) -> None:
     pixels = np.array([[[float(nodata)], [2.0], [4.0]]], np.float32)
-    metadata = Metadata(geo=geo.pack({geo.GDAL_NODATA: ifd.Entry(2, nodata + b"\0")}))
+    metadata = Metadata(geo=geo_of({geo.GDAL_NODATA: text(nodata)}))
     write(Picture(pixels, "gray", (2.0, 4.0), metadata), tmp_path / "x.tif")
     for picture in (read(tmp_path / "x.tif"), open_source(tmp_path / "x.tif").read(0, 0, 3, 1)):
         np.testing.assert_array_equal(picture.pixels, pixels)

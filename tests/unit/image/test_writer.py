@@ -10,8 +10,9 @@ import numpy as np
 import OpenImageIO as oiio
 import pytest
 
+from sgicodec import read, write
 from sgicodec.errors import PictureError, UsageError
-from sgicodec.image import read, sink, write
+from sgicodec.image import sink
 from sgicodec.image.formats import FORMATS, find
 from sgicodec.metadata.layouts import LAYOUTS
 from sgicodec.picture import Picture, full_range

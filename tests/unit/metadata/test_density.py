@@ -7,9 +7,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from tags import exif_of, geo_of, rational, shorts
 
-from sgicodec.image import read, write
-from sgicodec.metadata import density, geo, ifd
+from sgicodec import read, write
+from sgicodec.metadata import density
 from sgicodec.metadata.density import Density
 from sgicodec.metadata.georeference import resolution
 
@@ -64,12 +65,6 @@ def test_what_a_file_states_is_kept(data: bytes, expected: Density | None) -> No
             assert expected.unit != 1 or found.unit == 1
 
 
-def _tags(across: int, down: int, unit: int) -> dict[int, ifd.Entry]:
-    pairs = {282: across, 283: down}
-    entries = {tag: ifd.Entry(5, struct.pack("<II", value, 1)) for tag, value in pairs.items()}
-    return {**entries, 296: ifd.Entry(3, struct.pack("<H", unit))}
-
-
 @pytest.mark.parametrize(
     ("across", "down", "unit", "is_measured"),
     [
@@ -82,6 +77,6 @@ def _tags(across: int, down: int, unit: int) -> dict[int, ifd.Entry]:
     ],
 )
 def test_72_pixels_per_inch_are_no_measurement(across: int, down: int, unit: int, is_measured: bool) -> None:
-    entries: ifd.Directory = {**_tags(across, down, unit)}
-    blob, exif = geo.pack(entries), b"II*\0\x08\0\0\0" + ifd.dump(entries, 8)
+    tags = {282: rational(across), 283: rational(down), 296: shorts(unit)}
+    blob, exif = geo_of(tags), exif_of({**tags})
     assert (resolution(blob, None) is not None) == (resolution(None, exif) is not None) == is_measured

@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from sgicodec import read, write
 from sgicodec.errors import PictureError
-from sgicodec.image import read, write
 from sgicodec.metadata import embedded, ifd, orientation
 from sgicodec.metadata import jpeg as jpeg_file
 from sgicodec.metadata import png as png_file

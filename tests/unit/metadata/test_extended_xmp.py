@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sgicodec.image import read, write
+from sgicodec import read, write
 from sgicodec.metadata import extended_xmp
 from sgicodec.picture import Metadata, Picture
 

@@ -6,18 +6,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tags import geo_of, text
 
-from sgicodec.image import read
-from sgicodec.metadata import geo, ifd
+from sgicodec import read
+from sgicodec.metadata import geo
 from sgicodec.metadata.gdal_items import BandFacts, band_facts
 
 ITEM = '<Item name="DESCRIPTION" sample="0" role="description">red</Item>'
-
-
-def blob(text: str) -> bytes:
-    packed = geo.pack({geo.GDAL_METADATA: ifd.Entry(2, text.encode() + b"\0")})
-    assert packed
-    return packed
 
 
 def test_what_gdal_writes(tmp_path: Path) -> None:
@@ -35,7 +30,7 @@ def test_what_gdal_writes(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "text",
+    "stated",
     [
         "",
         "<GDALMetadata>" + ITEM,
@@ -46,7 +41,9 @@ def test_what_gdal_writes(tmp_path: Path) -> None:
         "<GDALMetadata>" + ITEM + "</GDALMetadata>" + " " * (1 << 22),
     ],
 )
-def test_damaged_texts_say_nothing(text: str) -> None:
-    assert band_facts(blob(text), 2) == [BandFacts(), BandFacts()]
-    assert band_facts(blob(f"<GDALMetadata>{ITEM}</GDALMetadata>"), 2)[0].description == "red"
+def test_damaged_texts_say_nothing(stated: str) -> None:
+    assert band_facts(geo_of({geo.GDAL_METADATA: text(stated)}), 2) == [BandFacts(), BandFacts()]
+    assert (
+        band_facts(geo_of({geo.GDAL_METADATA: text(f"<GDALMetadata>{ITEM}</GDALMetadata>")}), 2)[0].description == "red"
+    )
     assert band_facts(None, 1) == [BandFacts()]

@@ -9,35 +9,24 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from tags import TIED, doubles, geo_keys, rational, shorts, text
 
-from sgicodec.image import open_source, read, write
+from sgicodec import open_source, read, write
 from sgicodec.metadata import geo, ifd, placement, tiff
 from sgicodec.picture import Metadata, Picture, full_range
 
 Save = Callable[..., Path]
 
-DOUBLE, ASCII, SHORT, RATIONAL = 12, 2, 3, 5
-
-
-def doubles(*values: float) -> ifd.Entry:
-    return ifd.Entry(DOUBLE, struct.pack(f"<{len(values)}d", *values))
-
-
-def shorts(*values: int) -> ifd.Entry:
-    return ifd.Entry(SHORT, struct.pack(f"<{len(values)}H", *values))
-
-
 ALL: dict[int, ifd.Entry] = {
-    282: ifd.Entry(RATIONAL, struct.pack("<II", 20000, 1)),
-    283: ifd.Entry(RATIONAL, struct.pack("<II", 10000, 1)),
+    282: rational(20000),
+    283: rational(10000),
     296: shorts(3),
-    33550: doubles(10.0, 10.0, 0.0),
-    33922: doubles(0.0, 0.0, 0.0, 5e5, 6e6, 0.0),
-    34735: shorts(1, 1, 0, 2, 1024, 0, 1, 1, 1025, 0, 1, 1),
+    **TIED,
+    34735: geo_keys((1024, 0, 1, 1), (1025, 0, 1, 1)),
     34736: doubles(6378137.0, 298.25),
-    34737: ifd.Entry(ASCII, b"WGS 84|\0"),
-    42112: ifd.Entry(ASCII, b"<GDALMetadata/>\0"),
-    42113: ifd.Entry(ASCII, b"7\0"),
+    34737: text("WGS 84|"),
+    42112: text("<GDALMetadata/>"),
+    42113: text("7"),
     50844: doubles(*range(92)),
 }
 
@@ -57,9 +46,7 @@ def _picture(blob: bytes | None, pixels: np.ndarray | None = None) -> Picture:
 
 
 def test_the_blob_of_the_documentation() -> None:
-    blob = geo.pack(
-        {42113: ifd.Entry(ASCII, b"-9999\0"), 33550: doubles(10.0, 10.0, 0.0), 271: ifd.Entry(ASCII, b"x\0")}
-    )
+    blob = geo.pack({42113: text("-9999"), 33550: doubles(10.0, 10.0, 0.0), 271: text("x")})
     rows = "0E 83 0C 00 03 00 00 00 26 00 00 00  81 A4 02 00 06 00 00 00 3E 00 00 00"
     values = "0000000000002440 0000000000002440 0000000000000000  2D 39 39 39 39 00"
     assert blob == bytes.fromhex(f"49 49 2A 00 08 00 00 00  02 00  {rows}  00 00 00 00  {values}")
@@ -78,7 +65,7 @@ def test_tags_survive_a_tiff(tmp_path: Path, save: Save) -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "dtype", "expected"),
+    ("stated", "dtype", "expected"),
     [
         (b"0\0", "uint8", 0.0),
         (b"255", "uint8", 255.0),
@@ -96,12 +83,12 @@ def test_tags_survive_a_tiff(tmp_path: Path, save: Save) -> None:
         (b"7\0junk", "uint8", 7.0),
     ],
 )
-def test_nodata(text: bytes, dtype: str, expected: float | None) -> None:
-    assert geo.nodata(geo.pack({42113: ifd.Entry(ASCII, text)}), np.dtype(dtype)) == expected
+def test_nodata(stated: bytes, dtype: str, expected: float | None) -> None:
+    assert geo.nodata(geo.pack({42113: ifd.Entry(2, stated)}), np.dtype(dtype)) == expected
 
 
 def test_nodata_may_be_no_number() -> None:
-    found = geo.nodata(geo.pack({42113: ifd.Entry(ASCII, b"nan\0")}), np.dtype(np.float32))
+    found = geo.nodata(geo.pack({42113: text("nan")}), np.dtype(np.float32))
     assert found is not None
     assert np.isnan(found)
     assert geo.nodata(None, np.dtype(np.uint8)) is None
@@ -115,7 +102,7 @@ def test_nodata_is_stretched_like_its_samples(tmp_path: Path, save: Save, bits: 
     pixels = np.full((8, 8, 1), (nodata * largest + most - 1) // most, dtype)
     pixels[0] = 0
     path = save(tmp_path / "x.tif", pixels, oiio__BitsPerSample=bits)
-    _tagged(path, {42113: ifd.Entry(ASCII, b"%d\0" % nodata), 33550: ALL[33550], 42112: ALL[42112]})
+    _tagged(path, {42113: text(f"{nodata}"), 33550: ALL[33550], 42112: ALL[42112]})
     picture = read(path)
     assert picture.nodata == picture.pixels[5, 5, 0]
     assert picture.nodata is not None

@@ -2,31 +2,19 @@
 
 from __future__ import annotations
 
-import struct
-
 import pytest
+from tags import TIED, doubles, exif_of, geo_keys, geo_of, rational, shorts, text
 
-from sgicodec.metadata import geo, ifd
 from sgicodec.metadata.georeference import georeference, resolution
 
-UTM = b"WGS 84 / UTM zone 33N|WGS 84|"
-
-
-def doubles(*values: float) -> ifd.Entry:
-    return ifd.Entry(12, struct.pack(f"<{len(values)}d", *values))
-
-
-def keys(*rows: tuple[int, int, int, int]) -> ifd.Entry:
-    flat = [1, 1, 0, len(rows), *(value for row in rows for value in row)]
-    return ifd.Entry(3, struct.pack(f"<{len(flat)}H", *flat))
-
+UTM = "WGS 84 / UTM zone 33N|WGS 84|"
 
 PROJECTED = [(1024, 0, 1, 1), (1025, 0, 1, 1), (1026, 34737, 22, 0), (3072, 0, 1, 32633), (3076, 0, 1, 9001)]
-TIED = {33550: doubles(10, 20, 0), 33922: doubles(0, 0, 0, 5e5, 6e6, 0)}
+OBLONG = TIED | {33550: doubles(10, 20, 0)}
 
 
 def test_a_projected_picture() -> None:
-    found = georeference(geo.pack({**TIED, 34735: keys(*PROJECTED), 34737: ifd.Entry(2, UTM + b"\0")}), 100, 50)
+    found = georeference(geo_of({**OBLONG, 34735: geo_keys(*PROJECTED), 34737: text(UTM)}), 100, 50)
     assert found is not None
     assert (found.epsg, found.name, found.unit, found.rotated) == (32633, "WGS 84 / UTM zone 33N", "m", False)
     assert found.bounds == (5e5, 6e6 - 1000, 5e5 + 1000, 6e6)
@@ -36,40 +24,23 @@ def test_a_projected_picture() -> None:
 def test_tie_points_may_be_centres() -> None:
     """PixelIsPoint: the tie point is the centre of the first pixel, so the picture reaches half a pixel further."""
     rows = [(1024, 0, 1, 2), (1025, 0, 1, 2), (2048, 0, 1, 4326)]
-    found = georeference(geo.pack({**TIED, 34735: keys(*rows)}), 100, 50)
+    found = georeference(geo_of({**OBLONG, 34735: geo_keys(*rows)}), 100, 50)
     assert found is not None
     assert (found.epsg, found.name, found.unit) == (4326, None, "°")
     assert found.bounds == (5e5 - 5, 6e6 + 10 - 1000, 5e5 + 995, 6e6 + 10)
 
 
-def rational(value: int, below: int = 1) -> ifd.Entry:
-    return ifd.Entry(5, struct.pack("<II", value, below))
-
-
-def directory(**tags: ifd.Entry) -> bytes:
-    return b"II*\0\x08\0\0\0" + ifd.dump({int(tag.removeprefix("t")): entry for tag, entry in tags.items()}, 8)
-
-
 @pytest.mark.parametrize(("unit", "microns"), [(2, 25400 / 50800), (3, 10000 / 50800)])
 def test_resolution_of_tags(unit: int, microns: float) -> None:
-    tags = {"t282": rational(50800), "t283": rational(25400), "t296": ifd.Entry(3, struct.pack("<H", unit))}
-    for found in (
-        resolution(geo.pack({int(tag[1:]): entry for tag, entry in tags.items()}), None),
-        resolution(None, directory(**tags)),
-    ):
+    tags = {282: rational(50800), 283: rational(25400), 296: shorts(unit)}
+    for found in (resolution(geo_of(tags), None), resolution(None, exif_of({**tags}))):
         assert found is not None
         assert found.microns == pytest.approx((microns, 2 * microns))
         assert found.stated == f"50800 × 25400 pixels per {'inch' if unit == 2 else 'cm'}"
 
 
-@pytest.mark.parametrize(
-    ("text", "microns"),
-    [
-        (b"Aperio Image Library v10.0.51|AppMag = 40|MPP = 0.2520|Left = 1", (0.252, 0.252)),
-        (b'<OME><Pixels PhysicalSizeX="0.5" PhysicalSizeXUnit="\xc2\xb5m" PhysicalSizeY="0.25"/></OME>', (0.5, 0.25)),
-    ],
-)
-def test_resolution_of_slides(text: bytes, microns: tuple[float, float]) -> None:
-    found = resolution(None, directory(t270=ifd.Entry(2, text + b"\0"), t282=rational(1), t283=rational(1)))
+def test_resolution_of_slides() -> None:
+    aperio = text("Aperio Image Library v10.0.51|AppMag = 40|MPP = 0.2520|Left = 1")
+    found = resolution(None, exif_of({270: aperio, 282: rational(1), 283: rational(1)}))
     assert found is not None
-    assert found.microns == microns
+    assert found.microns == (0.252, 0.252)

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sgicodec.image import read
+from sgicodec import read
 from sgicodec.metadata import jpeg
 
 image = pytest.importorskip("PIL.Image")

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from tags import doubles, geo_keys
 
 from sgicodec.metadata import geo, ifd, placement
 from sgicodec.metadata.orientation import upright
@@ -15,16 +16,12 @@ from sgicodec.metadata.orientation import upright
 WIDTH, HEIGHT = 9, 6
 
 
-def _doubles(*values: float) -> ifd.Entry:
-    return ifd.Entry(12, struct.pack(f"<{len(values)}d", *values))
-
-
 def _keys(raster_type: int) -> ifd.Entry:
-    return ifd.Entry(3, struct.pack("<12H", 1, 1, 0, 2, 1024, 0, 1, 1, 1025, 0, 1, raster_type))
+    return geo_keys((1024, 0, 1, 1), (1025, 0, 1, raster_type))
 
 
-TIED = {33550: _doubles(10.0, 20.0, 2.0), 33922: _doubles(1.0, 2.0, 0.0, 5e5, 6e6, 100.0)}
-MATRIX = {34264: _doubles(10.0, 2.0, 0.0, 5e5, 3.0, -20.0, 0.0, 6e6, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0)}
+TIED = {33550: doubles(10.0, 20.0, 2.0), 33922: doubles(1.0, 2.0, 0.0, 5e5, 6e6, 100.0)}
+MATRIX = {34264: doubles(10.0, 2.0, 0.0, 5e5, 3.0, -20.0, 0.0, 6e6, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0)}
 PLACED = {
     (name, kind): {**tags, 34735: _keys(kind)} for name, tags in (("tied", TIED), ("matrix", MATRIX)) for kind in (1, 2)
 }
@@ -73,7 +70,7 @@ def test_regions_at_any_scale(
 
 def test_control_points_go_along() -> None:
     points = [(0.0, 0.0), (9.0, 6.0), (2.0, 5.0)]
-    ties = _doubles(*(value for n, (i, j) in enumerate(points) for value in (i, j, 0.0, 100.0 * n, 7.0, 1.0)))
+    ties = doubles(*(value for n, (i, j) in enumerate(points) for value in (i, j, 0.0, 100.0 * n, 7.0, 1.0)))
     after = geo.load(placement.oriented(geo.pack({33922: ties}), 6, WIDTH, HEIGHT))
     rows = np.frombuffer(after[33922].data, "<f8").reshape(-1, 6)
     assert rows[:, :2].tolist() == [[HEIGHT - j, i] for i, j in points]
@@ -83,7 +80,7 @@ def test_control_points_go_along() -> None:
 def test_rational_polynomials_count_from_centres() -> None:
     values = np.arange(92.0)
     values[2:4], values[7:9] = (2.0, 4.0), (3.0, 4.5)  # offsets and scales of line and sample
-    blob = geo.pack({50844: _doubles(*values)})
+    blob = geo.pack({50844: doubles(*values)})
     after = np.frombuffer(geo.load(placement.view(blob, 2, 1, 3, 2))[50844].data, "<f8")
     assert after[[2, 3, 7, 8]].tolist() == [2.5, 7.0, 6.0, 13.5]
     rest = np.delete(np.arange(92), [2, 3, 7, 8])

@@ -5,13 +5,10 @@ from __future__ import annotations
 import struct
 
 import pytest
+from tags import text
 
 from sgicodec.metadata import ifd
 from sgicodec.metadata.stacks import without_shape
-
-
-def described(text: str) -> ifd.Directory:
-    return {270: ifd.Entry(2, text.encode() + b"\0"), 305: ifd.Entry(2, b"x\0")}
 
 
 def pixels_per_cm(directory: ifd.Directory) -> list[float] | None:
@@ -21,7 +18,7 @@ def pixels_per_cm(directory: ifd.Directory) -> list[float] | None:
 
 
 @pytest.mark.parametrize(
-    ("text", "expected"),
+    ("stated", "expected"),
     [
         ('<OME><Pixels PhysicalSizeX="0.5" PhysicalSizeY="0.25" SizeZ="3"/></OME>', [20000, 40000]),
         ('<OME><Pixels PhysicalSizeX="5E-4" PhysicalSizeXUnit="mm"/></OME>\n', [20000, 20000]),
@@ -36,8 +33,8 @@ def pixels_per_cm(directory: ifd.Directory) -> list[float] | None:
         ("shape=(3, 24, 32)", None),
     ],
 )
-def test_shapes_go_and_sizes_stay(text: str, expected: list[float] | None) -> None:
-    kept = without_shape(described(text))
+def test_shapes_go_and_sizes_stay(stated: str, expected: list[float] | None) -> None:
+    kept = without_shape({270: text(stated), 305: text("x")})
     assert 270 not in kept
     assert 305 in kept
     assert pixels_per_cm(kept) == (None if expected is None else pytest.approx(expected))

@@ -12,9 +12,9 @@ from in_process import InProcess
 from benchmarks.paper import measure
 from benchmarks.paper.command import main, middle
 from benchmarks.paper.rows import PaperResults
+from sgicodec import write
 from sgicodec.bench.run import load_sample
 from sgicodec.errors import SgiError, UsageError
-from sgicodec.image import write
 from sgicodec.picture import Picture
 
 KODIM = Path(__file__).parents[3] / "data" / "kodim23.png"

@@ -12,14 +12,13 @@ from pathlib import Path
 
 import pytest
 
-from sgicodec import EncodeSettings
+from sgicodec import EncodeSettings, open_source
 from sgicodec.encoder.input.windows import windows_of
 from sgicodec.encoder.plan import stream_plan
 from sgicodec.encoder.tiles.checkpoint import Checkpoint, fingerprint
 from sgicodec.encoder.tiles.store import Version
 from sgicodec.encoder.tiles.tasks import EncodedTile
 from sgicodec.errors import OutputExistsError, OutputLockedError, StreamError, UsageError
-from sgicodec.image import open_source
 
 MARK = bytes(range(32))
 
