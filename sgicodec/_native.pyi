@@ -94,7 +94,7 @@ class Stream:
     def chunk_bytes(self) -> dict: ...
 
     @property
-    def max_error(self) -> int:
+    def max_error(self) -> float:
         """-1 without residual layer."""
 
     @property
@@ -303,9 +303,11 @@ def tile_segments(length: int, count: int, apron: int, start: float, scale: floa
 
 RESIDUAL_BLOCK: int = ...
 
-def code_residual(samples: Annotated[NDArray[numpy.uint16], dict(shape=(None, None, None), order='C', device='cpu', writable=False)], drawn: Annotated[NDArray[numpy.uint16], dict(shape=(None, None, None), order='C', device='cpu', writable=False)], header: bytes, max_error: int) -> tuple[Annotated[NDArray[numpy.int32], dict(shape=(None,))], Annotated[NDArray[numpy.int32], dict(shape=(None,))], int]:
+MAX_GRID_STEPS: int = ...
+
+def code_residual(samples: Annotated[NDArray[numpy.float32], dict(shape=(None, None, None), order='C', device='cpu', writable=False)], drawn: Annotated[NDArray[numpy.float32], dict(shape=(None, None, None), order='C', device='cpu', writable=False)], header: bytes, form: bytes) -> tuple[Annotated[NDArray[numpy.int32], dict(shape=(None,))], Annotated[NDArray[numpy.int32], dict(shape=(None,))], int]:
     """
-    Bits of a block [h, w, C] of a residual layer, their P(1) in 2^-16, the CRC-32 of the samples that a reader finds.
+    Bits of a block [h, w, C] of a residual layer that begins with `form`, their P(1) in 2^-16, the CRC-32 of the samples that a reader finds.
     """
 
 class SymbolReader:

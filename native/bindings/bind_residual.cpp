@@ -1,6 +1,5 @@
 #include <nanobind/stl/tuple.h>
 
-#include <algorithm>
 #include <array>
 #include <tuple>
 #include <vector>
@@ -18,28 +17,28 @@ using sgi::require;
 
 namespace {
 
-using Samples = Array<const uint16_t, 3>;
+using Samples = Array<const float, 3>;
+
+sgi::Bytes bytes_of(const nb::bytes &bytes) { return {static_cast<const uint8_t *>(bytes.data()), bytes.size()}; }
 
 // Bits of a block, their P(1) in 2^-16, the CRC-32 of what a reader finds.
-auto code_residual(Samples samples, Samples drawn, nb::bytes header, int32_t max_error) {
+auto code_residual(Samples samples, Samples drawn, nb::bytes header, nb::bytes form) {
   for (size_t axis = 0; axis < 3; ++axis)
     require(samples.shape(axis) == drawn.shape(axis), "samples and drawn have one shape");
-  const sgi::Header whole = sgi::decode_header({static_cast<const uint8_t *>(header.data()), header.size()});
-  require(int(samples.shape(2)) == whole.spec.channels, "as many channels as the header has");
-  require(samples.size() > 0 && max_error >= 0 && max_error < int32_t(largest_of(whole.sample_type)),
-          "a block has pixels, and its greatest error is less than the largest sample");
-  const auto shape = sgi::residual_shape(whole, int64_t(samples.shape(1)), int64_t(samples.shape(0)), max_error);
-  const uint16_t *first = samples.data(), *shown = drawn.data();
-  require(std::all_of(first, first + samples.size(), [&](uint16_t sample) { return sample <= shape.largest; }),
-          "samples must be of the header's type");
-  std::vector<uint16_t> found(first, first + samples.size());
+  const sgi::Header whole = sgi::decode_header(bytes_of(header));
+  size_t at = 0;
+  const sgi::ResidualForm stated = sgi::read_residual_form(whole, bytes_of(form), at);
+  require(int(samples.shape(2)) == whole.spec.channels && samples.size() > 0,
+          "a block has pixels, of as many channels as the header has");
+  const sgi::ResidualBlock block{whole, stated, int64_t(samples.shape(1)), int64_t(samples.shape(0)), drawn.data()};
+  std::vector<float> found(samples.data(), samples.data() + samples.size());
   const sgi::Isa isa = sgi::choose_isa("auto");
   sgi::BitRecorder bits;
   {
     const nb::gil_scoped_release release;
-    sgi::record_residual(shape, isa, shown, found.data(), bits);
+    sgi::record_residual(block, isa, found.data(), bits);
   }
-  const uint32_t crc = sgi::crc32({reinterpret_cast<const uint8_t *>(found.data()), 2 * found.size()});
+  const uint32_t crc = sgi::crc32({reinterpret_cast<const uint8_t *>(found.data()), sizeof(float) * found.size()});
   const std::array count{bits.bits.size()};
   return std::tuple(as_array<int32_t>(std::move(bits.bits), count), as_array<int32_t>(std::move(bits.ones), count),
                     crc);
@@ -49,7 +48,8 @@ auto code_residual(Samples samples, Samples drawn, nb::bytes header, int32_t max
 
 void bind_residual(nb::module_ &m) {
   m.attr("RESIDUAL_BLOCK") = sgi::kResidualBlock;
-  m.def("code_residual", &code_residual, "samples"_a, "drawn"_a, "header"_a, "max_error"_a,
-        "Bits of a block [h, w, C] of a residual layer, their P(1) in 2^-16, the CRC-32 of the samples that a reader "
-        "finds.");
+  m.attr("MAX_GRID_STEPS") = sgi::kMaxGridSteps;
+  m.def("code_residual", &code_residual, "samples"_a, "drawn"_a, "header"_a, "form"_a,
+        "Bits of a block [h, w, C] of a residual layer that begins with `form`, their P(1) in 2^-16, the CRC-32 of the "
+        "samples that a reader finds.");
 }

@@ -8,42 +8,48 @@
 #include <cstdlib>
 #include <vector>
 
+#include "bitstream/residual_grid.hpp"
 #include "bitstream/residual_models.hpp"
 #include "bitstream/sample_predictor.hpp"
 
 namespace sgi {
 
-// A block of the picture: its size, whether its first three channels are red, green and blue, which channel is alpha
-// (-1 for none), the largest sample that its type has, and by how much samples of all channels but alpha may be off.
+// A block of the picture: its size, whether its first three channels are red, green and blue, and the grids of its
+// channels.
 struct ResidualShape {
   int64_t width, height;
-  int channels;
   bool is_rgb;
-  int alpha;
-  int32_t largest;
-  int32_t max_error;
+  const std::vector<ResidualGrid> &grids;
+
+  int channels() const { return int(grids.size()); }
 };
 
-// Codes the samples of a block, given what the rest of the stream draws there. `Bits` as in bitstream/texture_bits.hpp.
+// Codes the values of a block, given those that the rest of the stream draws there. `Bits` as in
+// bitstream/texture_bits.hpp.
 template <class Bits>
 class ResidualCoding {
  public:
   ResidualCoding(const ResidualShape &shape, const PredictorKernel &kernel, Bits &bits) : shape_(shape), bits_(bits) {
-    for (int k = 0; k < shape.channels; ++k)
-      channels_.emplace_back(shape, kernel, k, channel_at(k) == shape.alpha ? 0 : shape.max_error);
-    for (int k = 0; k < std::min(shape.channels, kGroups); ++k) models_.emplace_back(kModels, 2 * kSets);
+    for (int k = 0; k < shape.channels(); ++k)
+      channels_.emplace_back(shape, kernel, k, shape.grids[size_t(channel_at(k))]);
+    for (int k = 0; k < std::min(shape.channels(), kGroups); ++k) models_.emplace_back(kModels, 2 * kSets);
   }
 
-  // samples and drawn [height, width, channels]. Leaves in `samples` what a reader finds; false where bits end.
-  bool code(uint16_t *samples, const uint16_t *drawn) {
-    drawn_ = drawn;
+  // values [height, width, channels]. Leaves in them what a reader finds; false where bits end.
+  bool code(std::vector<int32_t> &values, const GridBlock &drawn) {
+    drawn_ = drawn.values.data();
     for (int64_t y = 0; y < shape_.height; ++y) {
       for (int64_t left = 0; left < shape_.width; left += SamplePredictor::kSegment) {
         for (Channel &channel : channels_) channel.predictor.solve(left / SamplePredictor::kSegment);
         const int64_t right = std::min(shape_.width, left + SamplePredictor::kSegment);
         for (int64_t x = left; x < right; ++x)
-          for (int k = 0; k < shape_.channels; ++k)
-            if (!code_sample(samples[(y * shape_.width + x) * shape_.channels + channel_at(k)], k, y, x)) return false;
+          for (int k = 0; k < shape_.channels(); ++k) {
+            const auto at = size_t((y * shape_.width + x) * shape_.channels() + channel_at(k));
+            if (drawn.held[at])
+              hold(k, y, x);
+            else if (!code_value(values[at], k, y, x))
+              return false;
+          }
       }
       for (Channel &channel : channels_) channel.predictor.fade();
     }
@@ -60,7 +66,7 @@ class ResidualCoding {
   static constexpr std::array<uint32_t, ResidualModels::kMixed> kContexts{512, 3872, 2048, 1248, 1248};
   static constexpr uint32_t kModels = (512 + 3872 + 2048 + 1248 + 1248) * kNodes;
 
-  // What is known of a sample that was coded.
+  // What is known of a value that was coded.
   struct Known {
     int32_t difference = 0;             // from what is drawn
     int32_t magnitude = 4 * kFraction;  // of the error of its prediction, in sixteenths of a step
@@ -70,8 +76,9 @@ class ResidualCoding {
 
   // What is known of a channel. The plane has two more rows above, and two more columns on either side.
   struct Channel {
-    Channel(const ResidualShape &shape, const PredictorKernel &kernel, int k, int32_t most_off)
-        : predictor(kernel, shape.width, prior(k)), max_error(most_off), step(2 * most_off + 1),
+    Channel(const ResidualShape &shape, const PredictorKernel &kernel, int k, const ResidualGrid &grid)
+        : predictor(kernel, shape.width, prior(k)), most(grid.most), max_error(grid.max_error),
+          step(2 * grid.max_error + 1), scale(std::max(0, 24 - __builtin_clz(uint32_t(grid.most) | 1))),
           stride(shape.width + 2 * kPad), known(size_t((shape.height + kPad) * stride)) {}
 
     // The weights where nothing is known: a plane through the neighbours, and the difference of the channel before.
@@ -86,7 +93,8 @@ class ResidualCoding {
     int32_t steps(int32_t off) const { return (std::abs(off) + max_error) / step * (off < 0 ? -1 : 1); }
 
     SamplePredictor predictor;
-    int32_t max_error, step;  // of samples; between values that a sample may have
+    int32_t most, max_error, step;  // the largest value; by how much one may be off; between those that are coded
+    int scale;                      // bits of a value below its first eight
     int64_t stride;
     std::vector<Known> known;
   };
@@ -110,7 +118,7 @@ class ResidualCoding {
 
   int32_t drawn_at(int channel, int64_t y, int64_t x) const {
     x = std::clamp<int64_t>(x, 0, shape_.width - 1), y = std::clamp<int64_t>(y, 0, shape_.height - 1);
-    return drawn_[(y * shape_.width + x) * shape_.channels + channel];
+    return drawn_[(y * shape_.width + x) * shape_.channels() + channel];
   }
 
   // How large a value is: 2^bits classes for each doubling.
@@ -147,19 +155,26 @@ class ResidualCoding {
     return kDrawn;
   }
 
-  bool code_sample(uint16_t &sample, int k, int64_t y, int64_t x) {
+  // What is not coded is as it is drawn.
+  void hold(int k, int64_t y, int64_t x) {
+    Known known;
+    known.value = drawn_at(channel_at(k), y, x);
+    note(channels_[size_t(k)], y, x, known);
+  }
+
+  bool code_value(int32_t &value, int k, int64_t y, int64_t x) {
     Channel &own = channels_[size_t(k)];
     float values[kPredictorRow]{};
     const int count = inputs(k, y, x, values);
     const int32_t drawn = drawn_at(channel_at(k), y, x);
-    const double predicted = drawn + own.predictor.predict(values), most = shape_.largest;
+    const double predicted = drawn + own.predictor.predict(values), most = own.most;
     const auto exact = int32_t(std::floor((predicted > 0 ? predicted < most ? predicted : most : 0) * kFraction + 0.5));
     const int32_t middle = (exact + kFraction / 2) >> 4, fraction = exact - middle * kFraction;
     const Sample context = sample_context(k, y, x, middle, fraction);
-    int32_t steps = own.steps(int32_t(sample) - middle);
+    int32_t steps = own.steps(value - middle);
     if (!code_steps(context, own, middle, fraction >= 0, steps)) return false;
-    const int32_t found = std::clamp(middle + steps * own.step, 0, shape_.largest);
-    sample = uint16_t(found);
+    const int32_t found = std::clamp(middle + steps * own.step, 0, own.most);
+    value = found;
     values[count] = float(found - drawn);
     const auto spread = float(context.spread);
     own.predictor.learn(values, 1 / (1 + spread * spread * (0.6f / (kFraction * kFraction))));
@@ -230,7 +245,7 @@ class ResidualCoding {
     const Guess copy = copied(k, y, x), move = moved(k, y, x, copy.value);
     const std::array<uint32_t, ResidualModels::kMixed> context{
         size_class(uint32_t(spread), 3, 128) * 4 + quarter, (coarse * 11 + level(before)) * 11 + level(earlier),
-        (shape_.largest == 255 ? uint32_t(middle) : uint32_t(middle) >> 8) * 8 + std::min(coarse / 2, 7u),
+        (uint32_t(middle) >> own.scale) * 8 + std::min(coarse / 2, 7u),
         guess_context(own, here, copy, 0, middle) * 2 + is_above,
         guess_context(own, here, move, 1, middle) * 2 + is_above};
     Sample found{};
@@ -255,10 +270,10 @@ class ResidualCoding {
     return models_[size_t(sample.group)].code(bits_, context, value);
   }
 
-  // A sample in steps from the middle: on which side of the prediction, then how far.
+  // A value in steps from the middle: on which side of the prediction, then how far.
   bool code_steps(const Sample &sample, const Channel &own, int32_t middle, bool is_above, int32_t &steps) {
     const int32_t least = -((middle + own.max_error) / own.step);
-    const int32_t most = (shape_.largest - middle + own.max_error) / own.step;
+    const int32_t most = (own.most - middle + own.max_error) / own.step;
     int up = is_above ? steps >= 1 : steps >= 0;
     if (is_above ? most < 1 : least > -1)
       up = !is_above;
@@ -296,7 +311,7 @@ class ResidualCoding {
 
   const ResidualShape shape_;
   Bits &bits_;
-  const uint16_t *drawn_ = nullptr;
+  const int32_t *drawn_ = nullptr;
   std::vector<Channel> channels_;
   std::vector<ResidualModels> models_;
 };

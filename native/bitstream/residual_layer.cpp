@@ -1,5 +1,8 @@
 #include "bitstream/residual_layer.hpp"
 
+#include <cmath>
+#include <cstring>
+
 #include "base/crc32.hpp"
 #include "base/error.hpp"
 #include "bitstream/range_decoder.hpp"
@@ -15,19 +18,61 @@ constexpr size_t kCrcBytes = 4;
 
 int64_t count_of(const Header &header) { return residual_blocks(header.width) * residual_blocks(header.height); }
 
+double read_real(Bytes data, size_t &at) {
+  double value;
+  if (data.size - at < sizeof value) corrupt("it ends too early");
+  std::memcpy(&value, data.data + at, sizeof value);
+  at += sizeof value;
+  return value;
+}
+
+// Whether samples of a type are on the grid, which none but floats may fill with other than whole numbers.
+bool is_sound(const ResidualGrid &grid, SampleType type) {
+  const double last = grid.base + grid.step * grid.most;
+  if (!(grid.step > 0) || grid.max_error > grid.most) return false;
+  if (type == SampleType::f32) return std::isfinite(float(grid.base)) && std::isfinite(float(last));
+  const auto is_whole = [](double value) { return value == std::floor(value); };
+  return is_whole(grid.base) && is_whole(grid.step) && grid.base >= 0 && last <= largest_of(type);
+}
+
+template <class Bits>
+bool code_block(const ResidualBlock &block, Isa isa, Bits &bits, float *samples) {
+  const bool is_rgb = block.header.channels == ChannelLayout::rgb || block.header.channels == ChannelLayout::rgba;
+  const ResidualShape shape{block.width, block.height, is_rgb, block.form.grids};
+  const GridBlock drawn = on_grids(block.header, block.form, block.drawn, block.width, block.samples());
+  std::vector<int32_t> values = nearest_values(block.form, samples, block.samples());
+  if (!ResidualCoding<Bits>(shape, kernel_for<PredictorKernel>(isa), bits).code(values, drawn)) return false;
+  return GridRest<Bits>(block.header, block.form, bits).code(drawn, values, block.drawn, samples);
+}
+
 }  // namespace
 
 int64_t longest_residual_table(const Header &header) {
-  return kMaxVarintBytes + count_of(header) * int64_t(kMaxVarintBytes + kCrcBytes);
+  const int64_t form = sizeof(double) + 1 + header.spec.channels * int64_t(2 * (sizeof(double) + kMaxVarintBytes));
+  return form + count_of(header) * int64_t(kMaxVarintBytes + kCrcBytes);
+}
+
+ResidualForm read_residual_form(const Header &header, Bytes start, size_t &at) {
+  ResidualForm form{read_real(start, at), false, std::vector<ResidualGrid>(size_t(header.spec.channels))};
+  if (!(form.max_error >= 0) || std::isinf(form.max_error)) corrupt("its greatest error is no number from 0 on");
+  const int64_t has_bits = decode_varint(start, at);
+  if (has_bits > (header.sample_type == SampleType::f32)) corrupt("it has bits of floats where there are none");
+  form.has_bits = has_bits;
+  for (ResidualGrid &grid : form.grids) {
+    grid.base = read_real(start, at), grid.step = read_real(start, at);
+    const int64_t most = decode_varint(start, at), max_error = decode_varint(start, at);
+    grid.most = int32_t(std::min<int64_t>(most, kMaxGridSteps)), grid.max_error = int32_t(std::min(max_error, most));
+    if (most > kMaxGridSteps || max_error > most || !is_sound(grid, header.sample_type))
+      corrupt("a channel has no sound grid");
+  }
+  return form;
 }
 
 ResidualTable read_residual_table(const Header &header, Bytes start, int64_t length) {
-  if (header.sample_type == SampleType::f32) corrupt("the picture has floats");
-  if (length < count_of(header) * int64_t(1 + kCrcBytes)) corrupt("it is too short for the blocks of the picture");
   size_t at = 0;
-  const int64_t max_error = decode_varint(start, at);
-  if (max_error >= int64_t(largest_of(header.sample_type))) corrupt("its greatest error is no less than any sample");
-  ResidualTable table{int32_t(max_error), {}};
+  ResidualTable table{read_residual_form(header, start, at), {}};
+  if (length - int64_t(at) < count_of(header) * int64_t(1 + kCrcBytes))
+    corrupt("it is too short for the blocks of the picture");
   table.blocks.resize(size_t(count_of(header)));
   for (ResidualTable::Block &block : table.blocks) {
     block.bytes = decode_varint(start, at);
@@ -43,26 +88,19 @@ ResidualTable read_residual_table(const Header &header, Bytes start, int64_t len
   return table;
 }
 
-ResidualShape residual_shape(const Header &header, int64_t width, int64_t height, int32_t max_error) {
-  const bool is_rgb = header.channels == ChannelLayout::rgb || header.channels == ChannelLayout::rgba;
-  return {width,    height, header.spec.channels, is_rgb, header.alpha(), int32_t(largest_of(header.sample_type)),
-          max_error};
+void record_residual(const ResidualBlock &block, Isa isa, float *samples, BitRecorder &bits) {
+  code_block(block, isa, bits, samples);
 }
 
-void record_residual(const ResidualShape &shape, Isa isa, const uint16_t *drawn, uint16_t *samples, BitRecorder &bits) {
-  ResidualCoding<BitRecorder>(shape, kernel_for<PredictorKernel>(isa), bits).code(samples, drawn);
-}
-
-void decode_residual(const ResidualShape &shape, Isa isa, Bytes bytes, uint32_t crc, const uint16_t *drawn,
-                     uint16_t *samples) {
+std::vector<float> decode_residual(const ResidualBlock &block, Isa isa, Bytes bytes, uint32_t crc) {
   RangeDecoder decoder(bytes.data, int64_t(bytes.size));
   BitReader bits(decoder);
-  if (!ResidualCoding<BitReader>(shape, kernel_for<PredictorKernel>(isa), bits).code(samples, drawn))
-    corrupt("the samples of a block do not decode");
+  std::vector<float> samples(block.samples());
+  if (!code_block(block, isa, bits, samples.data())) corrupt("the samples of a block do not decode");
   if (!decoder.maybe_exhausted()) corrupt("bytes are left over behind the samples of a block");
-  const auto count = size_t(shape.width * shape.height * shape.channels);
-  if (crc32({reinterpret_cast<const uint8_t *>(samples), count * sizeof *samples}) != crc)
+  if (crc32({reinterpret_cast<const uint8_t *>(samples.data()), samples.size() * sizeof(float)}) != crc)
     corrupt("the samples of a block are not those that were written");
+  return samples;
 }
 
 }  // namespace sgi

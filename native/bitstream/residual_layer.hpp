@@ -18,9 +18,9 @@ constexpr int64_t kResidualBlock = 512;  // pixels of a side; the last of a row 
 struct ResidualTable {
   struct Block {
     int64_t offset, bytes;  // in the payload of the chunk
-    uint32_t crc;           // of its samples, each as little-endian uint16
+    uint32_t crc;           // of its samples, each as a little-endian float
   };
-  int32_t max_error;          // of any sample but alpha, which is exact
+  ResidualForm form;
   std::vector<Block> blocks;  // in rows from the top down
 };
 
@@ -31,13 +31,22 @@ int64_t longest_residual_table(const Header &header);
 // Reads the table from the first bytes of a payload of `length` bytes. Throws Error (corrupt).
 ResidualTable read_residual_table(const Header &header, Bytes start, int64_t length);
 
-// That of a block of `width` by `height` pixels.
-ResidualShape residual_shape(const Header &header, int64_t width, int64_t height, int32_t max_error);
-// Notes the bits of samples [height, width, channels] of a block, and leaves in `samples` what a reader finds.
-void record_residual(const ResidualShape &shape, Isa isa, const uint16_t *drawn, uint16_t *samples, BitRecorder &bits);
-// Decodes samples [height, width, channels] of a block from its bytes and what the rest of the stream draws there.
-// Throws Error (corrupt).
-void decode_residual(const ResidualShape &shape, Isa isa, Bytes bytes, uint32_t crc, const uint16_t *drawn,
-                     uint16_t *samples);
+// Reads what a layer states of all its blocks; `at` moves behind it. Throws Error (corrupt).
+ResidualForm read_residual_form(const Header &header, Bytes start, size_t &at);
+
+// A block: what all state, its size, and its samples [height, width, channels] as the rest of the stream draws them.
+struct ResidualBlock {
+  const Header &header;
+  const ResidualForm &form;
+  int64_t width, height;
+  const float *drawn;
+
+  size_t samples() const { return size_t(width * height) * form.grids.size(); }
+};
+
+// Notes the bits of samples of a block, and leaves in `samples` what a reader finds.
+void record_residual(const ResidualBlock &block, Isa isa, float *samples, BitRecorder &bits);
+// Decodes the samples of a block from its bytes. Throws Error (corrupt).
+std::vector<float> decode_residual(const ResidualBlock &block, Isa isa, Bytes bytes, uint32_t crc);
 
 }  // namespace sgi

@@ -53,13 +53,7 @@ class ResidualModels {
         int32_t &weight = weights_[set][i];
         weight = std::clamp(weight + ((logit[i] * error) >> kLearningShift), -kWeightLimit, kWeightLimit);
       }
-    for (const uint32_t number : context.model) {
-      BitModel &model = models_[number];
-      const uint32_t far = bit ? kCertain - 1 - model.probability : model.probability;
-      const uint32_t step = (far * uint32_t(kBitTables.rate[model.seen]) + (bit ? 0u : 0xffffu)) >> 16;
-      model.probability = uint16_t(bit ? model.probability + step : model.probability - step);
-      model.seen = uint8_t(model.seen + (model.seen < kSeenLimit));
-    }
+    for (const uint32_t number : context.model) sgi::adapt(models_[number], bit);
   }
 
   std::vector<BitModel> models_;

@@ -1,6 +1,7 @@
 #include "bitstream/stream_summary.hpp"
 
 #include <algorithm>
+#include <cstring>
 
 #include "base/error.hpp"
 #include "bitstream/chunk_kinds.hpp"
@@ -24,11 +25,13 @@ bool jump(ChunkReader &chunks, const Chunk &first, std::map<std::string, int64_t
 }
 
 // The first number of a residual layer.
-int64_t max_error_of(ChunkReader &chunks, const Chunk &layer) {
-  const auto length = size_t(std::min<int64_t>(kMaxVarintBytes, layer.length));
+double max_error_of(ChunkReader &chunks, const Chunk &layer) {
+  double value;
+  const auto length = size_t(std::min<int64_t>(sizeof value, layer.length));
   const auto start = chunks.size() ? chunks.peek(layer.begin(), length) : chunks.payload(layer);
-  size_t at = 0;
-  return decode_varint({start.data(), start.size()}, at);
+  if (start.size() < sizeof value) throw Error(Fault::corrupt, "residual layer: it ends too early");
+  std::memcpy(&value, start.data(), sizeof value);
+  return value;
 }
 
 }  // namespace

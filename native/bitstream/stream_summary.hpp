@@ -14,7 +14,7 @@ namespace sgi {
 struct StreamSummary {
   Header header{};
   uint64_t size = 0;                             // of the file, bytes
-  int64_t max_error = -1;                        // that the residual layer states; -1 where there is none
+  double max_error = -1;                         // that the residual layer states; -1 where there is none
   std::map<char, std::vector<uint8_t>> blobs;    // payloads by letter, without T, X, o and r
   std::map<std::string, int64_t> chunk_bytes{};  // by letter, frame included; and the "signature"
 };

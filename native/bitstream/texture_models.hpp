@@ -80,6 +80,14 @@ class BitModels {
   std::vector<int32_t> weights_;  // [sets, kMaxMixed] in 2^-16
 };
 
+// Moves a model towards a bit that it has seen, the less the more it has seen.
+inline void adapt(BitModel &model, int bit) {
+  const uint32_t far = bit ? kCertain - 1 - model.probability : model.probability;
+  const uint32_t step = (far * uint32_t(kBitTables.rate[model.seen]) + (bit ? 0u : 0xffffu)) >> 16;
+  model.probability = uint16_t(bit ? model.probability + step : model.probability - step);
+  model.seen = uint8_t(model.seen + (model.seen < kSeenLimit));
+}
+
 // Information content of a bit, from the table of its probability's first twelve bits: for decisions, not for accounts.
 inline float bit_cost(int32_t one, int bit) { return kBitTables.cost[(bit ? one : kCertain - one) >> 4]; }
 

@@ -15,9 +15,12 @@ ResidualTable table_of(StreamReader &chunks) {
   return read_residual_table(chunks.header(), {start.data(), start.size()}, chunks.residual_bytes());
 }
 
-template <class T>
-void copy_row(const uint16_t *from, int64_t count, void *to) {
-  std::copy_n(from, count, static_cast<T *>(to));
+// Calls with a sample of the type.
+template <class Function>
+void with_type(SampleType type, const Function &function) {
+  if (type == SampleType::u8) return function(uint8_t{});
+  if (type == SampleType::u16) return function(uint16_t{});
+  function(float{});
 }
 
 }  // namespace
@@ -53,40 +56,36 @@ void ExactBlocks::decode(const std::vector<int64_t> &numbers, const Draw &draw) 
   const auto at_once = size_t(resolve_threads(settings_.threads));
   for (size_t first = 0; first < numbers.size(); first += at_once) {
     const size_t count = std::min(at_once, numbers.size() - first);
-    std::vector<std::vector<uint16_t>> shown(count), samples(count);
+    std::vector<std::vector<float>> shown(count), samples(count);
     std::vector<std::vector<uint8_t>> bytes(count);
     for (size_t i = 0; i < count; ++i) {
       const ResidualTable::Block &block = table_.blocks[size_t(numbers[first + i])];
       bytes[i] = chunks_.residual(block.offset, block.bytes);
       shown[i] = drawn(place(numbers[first + i]), draw);
-      samples[i].resize(shown[i].size());
     }
     parallel_for(int64_t(count), settings_.threads, [&](int64_t i) {
       const int64_t number = numbers[first + size_t(i)];
       const Place where = place(number);
       const std::vector<uint8_t> &given = bytes[size_t(i)];
-      decode_residual(residual_shape(chunks_.header(), where.width, where.height, table_.max_error), settings_.isa,
-                      {given.data(), given.size()}, table_.blocks[size_t(number)].crc, shown[size_t(i)].data(),
-                      samples[size_t(i)].data());
+      const ResidualBlock block{chunks_.header(), table_.form, where.width, where.height, shown[size_t(i)].data()};
+      samples[size_t(i)] =
+          decode_residual(block, settings_.isa, {given.data(), given.size()}, table_.blocks[size_t(number)].crc);
     });
     for (size_t i = 0; i < count; ++i) {
-      bytes_ += int64_t(samples[i].size() * sizeof(uint16_t));
+      bytes_ += int64_t(samples[i].size() * sizeof(float));
       blocks_[numbers[first + i]] = {std::move(samples[i]), uses_};
     }
   }
 }
 
-std::vector<uint16_t> ExactBlocks::drawn(const Place &place, const Draw &draw) const {
-  const auto count = size_t(place.width * place.height * chunks_.header().spec.channels);
-  std::vector<uint16_t> samples(count);
+std::vector<float> ExactBlocks::drawn(const Place &place, const Draw &draw) const {
   const int64_t stride = place.width * chunks_.header().spec.channels;
-  if (chunks_.header().sample_type == SampleType::u16) {
-    draw(place, {samples.data(), place.width, place.height, stride});
-    return samples;
-  }
-  std::vector<uint8_t> bytes(count);
-  draw(place, {bytes.data(), place.width, place.height, stride});
-  std::copy(bytes.begin(), bytes.end(), samples.begin());
+  std::vector<float> samples(size_t(place.height * stride));
+  with_type(chunks_.header().sample_type, [&](auto sample) {
+    std::vector<decltype(sample)> found(samples.size());
+    draw(place, {found.data(), place.width, place.height, stride});
+    std::copy(found.begin(), found.end(), samples.begin());
+  });
   return samples;
 }
 
@@ -95,15 +94,14 @@ void ExactBlocks::copy(int64_t number, int64_t x, int64_t y, const PixelBlock &o
   const int64_t left = std::max(x, from.x), right = std::min(x + out.columns, from.x + from.width);
   const int64_t top = std::max(y, from.y), bottom = std::min(y + out.rows, from.y + from.height);
   const int64_t channels = chunks_.header().spec.channels, count = (right - left) * channels;
-  const bool is_u16 = chunks_.header().sample_type == SampleType::u16;
-  const uint16_t *samples = blocks_.at(number).samples.data();
+  const float *samples = blocks_.at(number).samples.data();
   for (int64_t row = top; row < bottom; ++row) {
-    const uint16_t *source = samples + ((row - from.y) * from.width + left - from.x) * channels;
+    const float *source = samples + ((row - from.y) * from.width + left - from.x) * channels;
     const int64_t target = (row - y) * out.stride + (left - x) * channels;
-    if (is_u16)
-      copy_row<uint16_t>(source, count, static_cast<uint16_t *>(out.first) + target);
-    else
-      copy_row<uint8_t>(source, count, static_cast<uint8_t *>(out.first) + target);
+    with_type(chunks_.header().sample_type, [&](auto sample) {
+      auto *first = static_cast<decltype(sample) *>(out.first) + target;
+      for (int64_t i = 0; i < count; ++i) first[i] = decltype(sample)(source[i]);
+    });
   }
 }
 
@@ -112,7 +110,7 @@ void ExactBlocks::forget() {
     const auto oldest = std::min_element(blocks_.begin(), blocks_.end(),
                                          [](const auto &a, const auto &b) { return a.second.use < b.second.use; });
     if (oldest == blocks_.end() || oldest->second.use == uses_) return;
-    bytes_ -= int64_t(oldest->second.samples.size() * sizeof(uint16_t));
+    bytes_ -= int64_t(oldest->second.samples.size() * sizeof(float));
     blocks_.erase(oldest);
   }
 }

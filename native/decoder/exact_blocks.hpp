@@ -26,19 +26,19 @@ class ExactBlocks {
   // Throws Error (corrupt).
   ExactBlocks(StreamReader &chunks, const DecoderSettings &settings);
 
-  int32_t max_error() const { return table_.max_error; }
+  double max_error() const { return table_.form.max_error; }
   // Fills samples of the source's type with the region whose first pixel is (x, y). Throws Error (corrupt).
   void fill(int64_t x, int64_t y, const PixelBlock &out, const Draw &draw);
 
  private:
   struct Kept {
-    std::vector<uint16_t> samples;
+    std::vector<float> samples;
     int64_t use;  // when it was used last
   };
 
   Place place(int64_t number) const;
   void decode(const std::vector<int64_t> &numbers, const Draw &draw);
-  std::vector<uint16_t> drawn(const Place &place, const Draw &draw) const;
+  std::vector<float> drawn(const Place &place, const Draw &draw) const;
   void copy(int64_t number, int64_t x, int64_t y, const PixelBlock &out) const;
   void forget();
 

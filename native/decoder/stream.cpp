@@ -35,7 +35,7 @@ std::optional<double> nodata_of(const Header &header) {
 
 // Whether samples of this type are those of the source as they are.
 bool is_source_type(Output output, SampleType type) {
-  return (output == Output::u8 && type == SampleType::u8) || (output == Output::u16 && type == SampleType::u16);
+  return output == (type == SampleType::u8 ? Output::u8 : type == SampleType::u16 ? Output::u16 : Output::f32);
 }
 
 // One checksum of the symbols of several tiles; that of a single one is its own.
@@ -141,7 +141,7 @@ ExactBlocks *Stream::exact_blocks() {
   return parts_->exact_blocks.get();
 }
 
-int32_t Stream::max_error() {
+double Stream::max_error() {
   const Lock lock(parts_->turn);
   const ExactBlocks *blocks = exact_blocks();
   return blocks ? blocks->max_error() : -1;

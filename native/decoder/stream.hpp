@@ -51,7 +51,7 @@ class Stream {
   // Decodes all tiles, or those that are not known yet.
   const Survey &survey();
   // By how much samples are off the source's at most where the residual layer is drawn; -1 where there is none.
-  int32_t max_error();
+  double max_error();
   bool has_overview() const;
   Stream &overview();                                  // throws Error (usage) where there is none
   const std::vector<uint8_t> &overview_bytes() const;  // of the one that was asked for, else empty

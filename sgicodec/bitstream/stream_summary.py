@@ -23,7 +23,7 @@ class StreamSummary:
         self.chunk_bytes: dict[str, int]
         self.size: int
         self.blobs, self.chunk_bytes, self.size, max_error = _native.summarize(source)
-        self.max_error: int | None = None if max_error < 0 else max_error
+        self.max_error: float | None = None if max_error < 0 else max_error
         """Levels by which no sample is off that a residual layer brings back; None without one."""
         self.header = decode_header(self.blobs["H"])
 

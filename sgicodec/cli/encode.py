@@ -78,7 +78,12 @@ __all__ = ["encode"]
 )
 @click.option("--lmbda", type=float, metavar="L", help="Squared error that a bit must save, instead of -q.")
 @target_options
-@click.option("--max-error", type=click.IntRange(0), metavar="N", help="Levels by which no sample may be off.")
+@click.option(
+    "--max-error",
+    type=click.FloatRange(0),
+    metavar="N",
+    help="Levels by which no sample may be off; floats by so much.",
+)
 @click.option("--lossless", is_flag=True, help="Every sample as it is: --max-error 0.")
 @click.option("-e", "--effort", type=EFFORT, metavar="1-9", show_default="3", help="More is smaller and slower.")
 @click.option("--profile", type=click.Choice(["default", "paper"]), default="default", show_default=True)

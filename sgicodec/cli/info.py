@@ -164,7 +164,8 @@ def _lines(summary: StreamSummary | Stream, facts: Mapping[str, Any]) -> dict[st
     if facts["overview"] is not None:
         lines["overview"] = "{}×{}".format(*facts["overview"])
     if facts["max_error"] is not None:
-        lines["samples"] = f"at most {facts['max_error']} levels off" if facts["max_error"] else "without loss"
+        unit = "" if facts["sample_type"] == "float32" else " levels"
+        lines["samples"] = f"at most {facts['max_error']:g}{unit} off" if facts["max_error"] else "without loss"
     if facts["metadata"]:
         lines["metadata"] = ", ".join(f"{name} {size:,} bytes" for name, size in facts["metadata"].items())
     if facts["seeds"] is not None:

@@ -25,11 +25,13 @@ __all__ = ["refine", "strip"]
 @click.argument("picture", metavar="PICTURE", shell_complete=complete_files)
 @click.argument("source", metavar="IN", shell_complete=complete_files)
 @click.argument("target", metavar="OUT", shell_complete=complete_files)
-@click.option("--max-error", type=click.IntRange(0), default=0, show_default=True, metavar="N", help="As in encode.")
+@click.option(
+    "--max-error", type=click.FloatRange(0), default=0.0, show_default=True, metavar="N", help="As in encode."
+)
 @threads_option
 @force_option
 @quiet_option
-def refine(picture: str, source: str, target: str, max_error: int, threads: int, force: bool, quiet: bool) -> None:
+def refine(picture: str, source: str, target: str, max_error: float, threads: int, force: bool, quiet: bool) -> None:
     """Copy stream IN, made from PICTURE, into stream OUT with a residual layer: no sample is off by more than N.
 
     A residual layer that IN has is replaced. The rest of the stream stays as it is.

@@ -164,7 +164,7 @@ class Stream(ArrayView):
         return None if payload is None else read_tile(self.header.of_tile(number), payload, self.device)[0]
 
     @property
-    def max_error(self) -> int | None:
+    def max_error(self) -> float | None:
         """Levels by which no sample is off the source's at most: 0 without loss; None without residual layer."""
         found = self._open_native().max_error
         return None if found < 0 else found

@@ -21,7 +21,7 @@ from sgicodec.profiles.fit_settings import FitSettings
 from sgicodec.rate_control.target import TARGETS
 from sgicodec.version import __version__
 
-__all__ = ["Plan", "Shape", "check_residual", "stream_plan"]
+__all__ = ["Plan", "Shape", "stream_plan"]
 
 
 @dataclass(frozen=True)
@@ -109,24 +109,11 @@ def stream_plan(shape: Shape, settings: EncodeSettings) -> Plan:
         has_band_masks=shape.nodata is not None and shape.bands - (alpha_index(shape.channels) is not None) > 1,
         has_exact=shape.exact,
     )
-    if settings.max_error is not None:
-        check_residual(header, settings.max_error)
     if grid.tile and settings.target is not None and TARGETS[settings.target].single_tile:
         raise UsageError(f"{settings.target} goes with a single tile only; --tile 0 makes one")
     place = geo.without_statistics(shape.metadata.geo)
     metadata = replace(shape.metadata, geo=place) if settings.metadata else None
     return Plan(header, settings, _software(settings, fit), metadata, shape.eight_bits)
-
-
-def check_residual(header: Header, max_error: int) -> None:
-    """Raises UsageError where a picture of this header can have no residual layer of that greatest error."""
-    if header.sample_type == "float32":
-        raise UsageError("max-error: samples of 32-bit floats have no residual layer; it codes 8 and 16 bits")
-    if max_error and header.masked == "nodata":
-        raise UsageError(f"max-error {max_error}: a picture with nodata is coded without loss only; 0 does so")
-    largest = np.iinfo(header.sample_type).max
-    if not 0 <= max_error < largest:
-        raise UsageError(f"max-error {max_error}; 0 to {largest - 1} levels of this picture's samples")
 
 
 def _with_texture_that_fits(spec: ModelSpec, grid: TileGrid) -> ModelSpec:

@@ -17,7 +17,7 @@ from sgicodec.bitstream.varint import encode_varint
 from sgicodec.decoder.stream import Stream
 from sgicodec.device import Device
 from sgicodec.encoder.input.windows import Windows
-from sgicodec.encoder.plan import check_residual
+from sgicodec.encoder.residual_grids import residual_form
 from sgicodec.errors import PictureError
 
 __all__ = ["residual_layer"]
@@ -25,26 +25,26 @@ __all__ = ["residual_layer"]
 _CRC_BYTES = 4
 
 
-def residual_layer(stream: Stream, windows: Windows, max_error: int, device: Device) -> bytes:
+def residual_layer(stream: Stream, windows: Windows, max_error: float, device: Device) -> bytes:
     """The payload of the residual layer that brings an opened stream to the picture of `windows`, but for `max_error`
-    levels. Alpha is exact. A layer that the stream has is left aside.
+    levels; floats by so much. Alpha of 8 and 16 bits is exact. A layer that the stream has is left aside.
 
-    Raises UsageError as `check_residual`, PictureError for a picture that is not the stream's.
+    Raises PictureError for a picture that is not the stream's.
     """
     header, stream.lossy = stream.header, True
-    check_residual(header, max_error)
     _check_shape(header, windows)
+    form = residual_form(header, (windows.read(*rect).pixels for rect in _rects(header)), max_error)
     blocks, whole = [], encode_header(header)
     with ThreadPoolExecutor(device.cores) as pool:
         waiting: deque[Future[_Block]] = deque()
         for rect in _rects(header):
             given, drawn = _samples(windows.read(*rect).pixels), _samples(stream.picture(rect).pixels)
-            waiting.append(pool.submit(_coded, given, drawn, whole, max_error))
+            waiting.append(pool.submit(_coded, given, drawn, whole, form))
             if len(waiting) > device.cores:
                 blocks.append(waiting.popleft().result())
         blocks += [block.result() for block in waiting]
     table = [encode_varint(len(block.data)) + block.crc.to_bytes(_CRC_BYTES, "little") for block in blocks]
-    return b"".join([encode_varint(max_error), *table, *(block.data for block in blocks)])
+    return b"".join([form, *table, *(block.data for block in blocks)])
 
 
 class _Block(NamedTuple):
@@ -54,13 +54,13 @@ class _Block(NamedTuple):
     crc: int
 
 
-def _coded(samples: NDArray[np.uint16], drawn: NDArray[np.uint16], header: bytes, max_error: int) -> _Block:
-    bits, ones, crc = _native.code_residual(samples, drawn, header, max_error)
+def _coded(samples: NDArray[np.float32], drawn: NDArray[np.float32], header: bytes, form: bytes) -> _Block:
+    bits, ones, crc = _native.code_residual(samples, drawn, header, form)
     return _Block(range_coded(bits, ones), crc)
 
 
-def _samples(pixels: NDArray[Any]) -> NDArray[np.uint16]:
-    return np.ascontiguousarray(pixels, np.uint16)
+def _samples(pixels: NDArray[Any]) -> NDArray[np.float32]:
+    return np.ascontiguousarray(pixels, np.float32)
 
 
 def _rects(header: Header) -> Iterator[tuple[int, int, int, int]]:

@@ -84,9 +84,9 @@ class EncodeSettings:
     """Pixels that a tile reaches over its neighbours."""
     overview: bool | None = None
     """Whether a stream of several tiles carries the picture in small."""
-    max_error: int | None = None
-    """Levels by which no sample may be off, alpha by none: a residual layer sees to it. 0 is without loss; None for no
-    layer.
+    max_error: float | None = None
+    """Levels by which no sample may be off, alpha by none; floats by so much: a residual layer sees to it. 0 is without
+    loss; None for no layer.
     """
     low_effort: bool | None = None
     """Whether fits of fewer than 300 steps beneath texture leave out what gains little for its time; None for those
@@ -206,8 +206,8 @@ class EncodeSettings:
                 for value in [getattr(self, name)]
             ),
             (
-                self.max_error is None or self.max_error >= 0,
-                f"max-error {self.max_error}; it must not be negative",
+                self.max_error is None or 0 <= self.max_error < math.inf,
+                f"max-error {self.max_error}; it must not be negative, nor infinite",
             ),
             (
                 not self.tile or MIN_TILE <= self.tile <= MAX_SIDE,

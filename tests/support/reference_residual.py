@@ -20,12 +20,23 @@ Code = Callable[[int], int]
 
 
 def block(
-    drawn: NDArray[np.uint16], order: list[int], steps: list[int], largest: int, code: Code
-) -> NDArray[np.uint16]:
-    """Samples [h, w, C] of a block, uint16. order: channels as they are coded; steps: Δ of each in that order."""
-    height, width, _ = drawn.shape
-    out = np.zeros_like(drawn)
-    channels = [_Channel(k, drawn[..., c].astype(int), steps[k], largest) for k, c in enumerate(order)]
+    drawn: NDArray[np.float32],
+    order: list[int],
+    grids: list[tuple[float, float, int, int]],
+    has_bits: bool,
+    nodata: list[float | None],
+    code: Code,
+) -> NDArray[np.float32]:
+    """Samples [h, w, C] of a block. order: channels as they are coded; grids: base, step, largest value and greatest
+    error of each channel; nodata: that of each channel.
+    """
+    height, width, count = drawn.shape
+    held = ~np.isfinite(drawn)
+    for c in range(count):
+        held[..., c] |= drawn[..., c] == nodata[c] if nodata[c] is not None else False
+    shown = np.stack([_on_grid(drawn[..., c], held[..., c], *grids[c][:3]) for c in range(count)], axis=2)
+    values = np.zeros((height, width, count), int)
+    channels = [_Channel(k, shown[..., c], 2 * grids[c][3] + 1, grids[c][2]) for k, c in enumerate(order)]
     models = [_Models() for _ in range(min(3, len(order)))]
     for y in range(height):
         for x in range(width):
@@ -33,11 +44,65 @@ def block(
                 if x % 32 == 0 and k == 0:
                     for each in channels:
                         each.solve(x // 32)
+                if held[y, x, order[k]]:
+                    channel.note(y, x, 0, channel.d(y, x), 64, (0, 0))
+                    continue
                 value = channel.sample(channels, y, x, lambda n, m, w, k=k: models[min(k, 2)].bit(code, n, m, w))
-                out[y, x, order[k]] = value
+                values[y, x, order[k]] = value
         for channel in channels:
             channel.sums *= F32(0.9)
+    out = drawn.copy()
+    distances = [_Distances() for _ in range(count)]
+    for y, x, c in zip(*np.nonzero(~held), strict=True):
+        base, step, most, most_off = grids[c]
+        value = int(values[y, x, c])
+        if most_off and F32(base + step * value) == nodata[c]:
+            value += 1 if value == 0 else -1 if value == most else 2 * code(32768) - 1
+        found = F32(base + step * min(most, value))
+        out[y, x, c] = _of_rank(_rank(found) + distances[c].next(code)) if has_bits else found
     return out
+
+
+def _on_grid(
+    drawn: NDArray[np.float32], held: NDArray[np.bool_], base: float, step: float, most: int
+) -> NDArray[np.int_]:
+    out = np.zeros(drawn.shape, int)
+    for y, x in np.ndindex(*drawn.shape):
+        if not held[y, x]:
+            out[y, x] = min(most, max(0, math.floor((float(drawn[y, x]) - base) / step + 0.5)))
+        elif x or y:
+            out[y, x] = out[y, x - 1] if x else out[y - 1, 0]
+    return out
+
+
+def _rank(sample: np.float32) -> int:
+    bits = int(sample.view(np.int32))
+    return bits if bits >= 0 else -(bits & 0x7FFFFFFF) - 1
+
+
+def _of_rank(rank: int) -> np.float32:
+    return np.uint32(rank if rank >= 0 else (-rank - 1) | 0x80000000).view(np.float32)
+
+
+class _Distances:
+    def __init__(self) -> None:
+        self.models: dict[tuple[int, int], tuple[int, int]] = {}
+        self.length = 0
+
+    def next(self, code: Code) -> int:
+        length, more = 0, 1
+        while length < 33 and more:
+            p, seen = self.models.get((self.length, length), (32768, 0))
+            more = code(min(65520, max(16, p)))
+            self.models[self.length, length] = _adapted(p, seen, more)
+            length += more
+        self.length = length
+        if not length:
+            return 0
+        sign, distance = 1 - 2 * code(32768), 1
+        for _ in range(length - 1):
+            distance = 2 * distance + code(32768)
+        return sign * distance
 
 
 class _Channel:
@@ -118,12 +183,15 @@ class _Channel:
         steps = start + distance if up else start - distance
         found = min(self.largest, max(0, middle + self.step * steps))
         self.learn([*inputs, found - drawn], spread)
-        for column in range(0 if x == 0 else j, (j + 3) if x == self.drawn.shape[1] - 1 else j + 1):
-            self.e[v, column], self.value[v, column] = found - drawn, found
-            self.magnitude[v, column] = abs(16 * found - p) // self.step
-            for i, (guess, _) in enumerate(guesses):
-                self.misses[i, v, column] = min(6, abs(self.steps(found - guess)))
+        misses = [min(6, abs(self.steps(found - guess))) for guess, _ in guesses]
+        self.note(y, x, found - drawn, found, abs(16 * found - p) // self.step, (misses[0], misses[1]))
         return found
+
+    def note(self, y: int, x: int, e: int, value: int, magnitude: int, misses: tuple[int, int]) -> None:
+        v, j = y + 2, x + 2
+        for column in range(0 if x == 0 else j, (j + 3) if x == self.drawn.shape[1] - 1 else j + 1):
+            self.e[v, column], self.value[v, column], self.magnitude[v, column] = e, value, magnitude
+            self.misses[:, v, column] = misses
 
     def learn(self, values: list[int], spread: int) -> None:
         s = F32(spread)
@@ -168,7 +236,7 @@ class _Channel:
         numbers = [
             4 * _size(s, 3, 128) + q,
             512 + (s5 * 11 + _size(b // 4, 0, 11)) * 11 + _size(c // 4, 0, 11),
-            4384 + 8 * (middle if self.largest == 255 else middle >> 8) + min(7, s5 // 2),
+            4384 + 8 * (middle >> max(0, self.largest.bit_length() - 8)) + min(7, s5 // 2),
         ]
         first = _size(s, 2, 64)
         return s, numbers, [(first, first), (4096 + 2 * _size(b // 4, 1, 32) + (f >= 0), 4096 + slope)]
@@ -213,9 +281,12 @@ class _Models:
                 weights[i] = min(1 << 20, max(-(1 << 20), weights[i] + ((logit * (65536 * bit - one)) >> 14)))
         for number in numbers:
             p, seen = self.p.get(number, 32768), self.seen.get(number, 0)
-            self.p[number] = p + (((65535 * bit - p) * (655360 // (10 * seen + 16))) >> 16)
-            self.seen[number] = min(seen + 1, 150)
+            self.p[number], self.seen[number] = _adapted(p, seen, bit)
         return bit
+
+
+def _adapted(p: int, seen: int, bit: int) -> tuple[int, int]:
+    return p + (((65535 * bit - p) * (655360 // (10 * seen + 16))) >> 16), min(seen + 1, 150)
 
 
 def _logit(index: int) -> int:

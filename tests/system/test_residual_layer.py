@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import io
+import math
+import struct
 import zlib
 from dataclasses import replace
 from pathlib import Path
@@ -11,6 +13,7 @@ import numpy as np
 import pytest
 import reference_residual
 from numpy.typing import NDArray
+from page_varint import decode_varint
 from scenes import ISAS
 from surgery import join, split
 
@@ -21,6 +24,7 @@ from sgicodec.decoder.stream import open_stream
 from sgicodec.device import Device
 from sgicodec.encoder.input.windows import windows_of
 from sgicodec.encoder.residual import residual_layer
+from sgicodec.encoder.residual_grids import residual_form
 from sgicodec.errors import CorruptStreamError, PictureError, StreamError, UsageError
 
 DATA = Path(__file__).parents[1] / "data"
@@ -42,6 +46,16 @@ def kinds() -> dict[str, Picture]:
     blank[10:30, 20:50] = 0
     alpha = np.concatenate([pixels, 255 - pixels[..., :1]], axis=2)
     alpha[20:40, 30:60, 3] = 0
+    heights = (1000 + photo(80, 60)[..., :1].astype(np.float32) * 3 / 10).astype(np.float32)
+    holes = heights.copy()
+    holes[5:20, 30:50] = -9999
+    wild = np.exp(rng.normal(0, 9, (50, 40, 3))).astype(np.float32) * rng.choice([-1, 1], (50, 40, 3)).astype(
+        np.float32
+    )
+    wild[3, 4], wild[7, 8], wild[9, 9] = np.nan, np.inf, -0.0
+    middle = pixels.copy()
+    middle[middle == 100] = 101
+    middle[8:20, 9:40] = 100
     return {
         "rgb8": Picture(pixels, "rgb", (0.0, 255.0)),
         "gray8": Picture(pixels[..., :1], "gray", (0.0, 255.0)),
@@ -50,6 +64,11 @@ def kinds() -> dict[str, Picture]:
         "twelve bits": twelve,
         "noise16": Picture(rng.integers(0, 65536, (40, 33, 3)).astype(np.uint16), "rgb", (0.0, 65535.0)),
         "nodata": Picture(blank, "multi", (1.0, 65535.0), blank=0.0),
+        "nodata in the middle": Picture(middle, "multi", (0.0, 255.0), blank=100.0),
+        "eight bits in sixteen": Picture(pixels.astype(np.uint16) * 257, "rgb", (0.0, 65535.0)),
+        "heights": Picture(heights, "gray", (1000.0, 1077.0)),
+        "heights with holes": Picture(holes, "gray", (1000.0, 1077.0), blank=-9999.0),
+        "wild floats": Picture(wild, "multi", (-100.0, 100.0), exact=True),
         "one pixel": Picture(pixels[:1, :1], "rgb", (0.0, 255.0)),
         "one column": Picture(pixels[:, :1], "rgb", (0.0, 255.0)),
         "seven bands": Picture(pixels[..., [0, 1, 2, 0, 1, 2, 0]], "multi", (0.0, 255.0)),
@@ -64,21 +83,46 @@ def test_every_sample_comes_back(name: str) -> None:
     data = encode_picture(KINDS[name], LOSSLESS).data
     with open_stream(data) as stream:
         assert stream.max_error == 0
-        np.testing.assert_array_equal(stream.picture().pixels, KINDS[name].pixels)
+        found, given = stream.picture().pixels, KINDS[name].pixels
+    assert found.dtype == given.dtype
+    np.testing.assert_array_equal(found, given)
+    np.testing.assert_array_equal(np.signbit(found), np.signbit(given))
 
 
-@pytest.mark.parametrize("name", [name for name in KINDS if name != "nodata"])
+@pytest.mark.parametrize("name", KINDS)
 @pytest.mark.parametrize("most", [1, 4])
 def test_no_sample_is_off_by_more(name: str, most: int) -> None:
     picture = KINDS[name]
     data = encode_picture(picture, replace(QUICK, max_error=most)).data
-    assert len(data) < len(encode_picture(picture, LOSSLESS).data)
     with open_stream(data) as stream:
         assert stream.max_error == most
-        off = np.abs(stream.picture().pixels.astype(int) - picture.pixels)
-    colours = off if picture.alpha is None else off[..., : picture.alpha]
-    assert colours.max() <= most
+        found = stream.picture().pixels.astype(np.float64)
+    given = picture.pixels.astype(np.float64)
+    is_measured = np.isfinite(given)
+    np.testing.assert_array_equal(found[~is_measured], given[~is_measured])
+    if picture.blank is not None:
+        np.testing.assert_array_equal(found == picture.blank, given == picture.blank)
+    off = np.abs(np.subtract(found, given, out=np.zeros_like(given), where=is_measured))
+    assert off.max() <= most
     assert picture.alpha is None or off[..., picture.alpha].max() == 0
+
+
+def test_floats_within_any_error() -> None:
+    """Smaller errors take more bytes, but no more than whole tenths do; nodata stays."""
+    sizes = []
+    for error in (0.0001, 0.05, 0.11, 0.7, 3):
+        data = encode_picture(KINDS["heights with holes"], replace(QUICK, max_error=error)).data
+        with open_stream(data) as stream:
+            off = np.abs(stream.picture().pixels.astype(float) - KINDS["heights with holes"].pixels)
+        assert off.max() <= error
+        sizes.append(len(data))
+    assert sizes[0] >= sizes[1] > sizes[2] > sizes[3] > sizes[4]
+
+
+def test_values_that_do_not_occur_take_nothing() -> None:
+    """Eight bits in sixteen take what eight bits take."""
+    sizes = [len(encode_picture(KINDS[name], LOSSLESS).data) for name in ("rgb8", "eight bits in sixteen")]
+    assert sizes[1] < 1.02 * sizes[0]
 
 
 @pytest.fixture(scope="module")
@@ -153,16 +197,10 @@ def test_a_layer_for_another_picture_is_refused(wide: Picture, exact: bytes) -> 
         residual_layer(stream, windows_of(other), 0, Device(1))
 
 
-def test_what_has_no_layer_is_refused() -> None:
-    floats = Picture(photo(40, 30).astype(np.float32), "rgb", (0.0, 255.0))
-    with pytest.raises(UsageError, match="32-bit floats"):
-        encode_picture(floats, LOSSLESS)
-    with pytest.raises(UsageError, match="nodata"):
-        encode_picture(KINDS["nodata"], replace(QUICK, max_error=1))
-    with pytest.raises(UsageError, match="0 to 254 levels"):
-        encode_picture(KINDS["rgb8"], replace(QUICK, max_error=255))
-    with pytest.raises(UsageError, match="must not be negative"):
-        EncodeSettings(max_error=-1)
+def test_errors_that_make_no_sense() -> None:
+    for error in (-1, math.inf, math.nan):
+        with pytest.raises(UsageError, match="max-error"):
+            EncodeSettings(max_error=error)
 
 
 def altered(data: bytes, change: bytes) -> bytes:
@@ -176,12 +214,12 @@ def test_damage_is_found() -> None:
     layer = dict(split(data))["r"]
     rng = np.random.default_rng(3)
     for _ in range(60):
-        at = int(rng.integers(len(layer)))
+        at = int(rng.integers(8, len(layer)))  # behind the greatest error, which nothing else says
         bad = bytearray(layer)
         bad[at] ^= 1 << int(rng.integers(8))
         with pytest.raises(StreamError), open_stream(altered(data, bytes(bad))) as stream:
             stream.picture()
-    for bad in (b"", layer[:3], layer[:-1], layer + b"x", b"\xff" + layer[1:]):
+    for bad in (b"", layer[:3], layer[:-1], layer + b"x", layer[:40]):
         with pytest.raises(CorruptStreamError), open_stream(altered(data, bad)) as stream:
             stream.picture()
     for bad in (b"", layer[:-1]):  # what is left of the file can be seen
@@ -190,35 +228,58 @@ def test_damage_is_found() -> None:
             assert stream.picture().pixels.shape == picture.pixels.shape
 
 
-def test_lies_of_a_layer_are_refused() -> None:
-    """A layer of floats; a greatest error that no sample has; a layer behind the tile, or a second one."""
+@pytest.mark.parametrize(
+    ("at", "lie", "what"),
+    [
+        (0, struct.pack("<d", -1.0), "greatest error"),
+        (0, struct.pack("<d", math.nan), "greatest error"),
+        (8, b"\1", "bits of floats"),
+        (9, struct.pack("<d", -1.0), "grid"),
+        (9, struct.pack("<d", 0.5), "grid"),
+        (9, struct.pack("<d", math.nan), "grid"),
+        (17, struct.pack("<d", 0.0), "grid"),
+        (17, struct.pack("<d", math.inf), "grid"),
+        (17, struct.pack("<d", 300.0), "grid"),
+        (25, b"\xff\x7f", "grid"),
+    ],
+)
+def test_lies_of_a_layer_are_refused(at: int, lie: bytes, what: str) -> None:
     data = encode_picture(KINDS["gray8"], LOSSLESS).data
-    parts = split(data)
-    layer = dict(parts)["r"]
-    floats = encode_picture(Picture(photo(96, 64)[..., :1].astype(np.float32), "gray", (0.0, 255.0)), QUICK).data
-    late = [part for part in split(floats) if part[0] in "Hs"] + [("r", layer)] + split(floats)[2:]
-    with pytest.raises(CorruptStreamError, match="floats"), open_stream(join(late)) as stream:
-        _ = stream.max_error
-    with (
-        pytest.raises(CorruptStreamError, match="greatest error"),
-        open_stream(altered(data, b"\xff\x01" + layer[1:])) as stream,
-    ):
-        _ = stream.max_error
-    twice = [parts[0], ("r", layer), *parts[1:]]
+    layer = dict(split(data))["r"]
+    bad = altered(data, layer[:at] + lie + layer[at + len(lie) :])
+    with pytest.raises(CorruptStreamError, match=what), open_stream(bad) as stream:
+        stream.picture()
+
+
+def test_two_layers_are_refused() -> None:
+    parts = split(encode_picture(KINDS["gray8"], LOSSLESS).data)
+    twice = [parts[0], ("r", dict(parts)["r"]), *parts[1:]]
     with pytest.raises(CorruptStreamError, match="only one"):
         open_stream(join(twice))
 
 
-@pytest.mark.parametrize(("name", "most"), [("rgb8", 0), ("rgba8", 2), ("twelve bits", 0), ("seven bands", 1)])
-def test_it_is_as_the_page_of_the_format_says(name: str, most: int) -> None:
+@pytest.mark.parametrize(
+    ("name", "most"),
+    [
+        ("rgb8", 0),
+        ("rgba8", 2),
+        ("twelve bits", 0),
+        ("seven bands", 1),
+        ("nodata in the middle", 3),
+        ("heights with holes", 0.05),
+        ("wild floats", 0),
+    ],
+)
+def test_it_is_as_the_page_of_the_format_says(name: str, most: float) -> None:
     """Probabilities and samples, by an implementation of the page."""
     whole = KINDS[name]
-    part = slice(20, 41), slice(10, 61)
+    part = slice(2, 23), slice(2, 53)
     picture = replace(whole, pixels=np.ascontiguousarray(whole.pixels[part]))
     with open_stream(encode_picture(picture, QUICK).data) as stream:
-        drawn, header = stream.picture().pixels.astype(np.uint16), stream.header
-    samples = picture.pixels.astype(np.uint16)
-    bits, ones, crc = _native.code_residual(samples, drawn, encode_header(header), most)
+        drawn, header = stream.picture().pixels.astype(np.float32), stream.header
+    samples = picture.pixels.astype(np.float32)
+    form = residual_form(header, [picture.pixels], most)
+    bits, ones, crc = _native.code_residual(samples, drawn, encode_header(header), form)
     expected = iter(zip(bits.tolist(), ones.tolist(), strict=True))
 
     def code(one: int) -> int:
@@ -229,8 +290,17 @@ def test_it_is_as_the_page_of_the_format_says(name: str, most: int) -> None:
     order = list(range(samples.shape[2]))
     if picture.channels.startswith("rgb"):
         order[:2] = 1, 0
-    steps = [1 if c == picture.alpha else 2 * most + 1 for c in order]
-    found = reference_residual.block(drawn, order, steps, int(np.iinfo(whole.pixels.dtype).max), code)
+    nodata = [None if c == picture.alpha else header.blank for c in range(samples.shape[2])]
+    found = reference_residual.block(drawn, order, grids_of(form, len(order)), form[8] == 1, nodata, code)
     assert next(expected, None) is None
-    assert zlib.crc32(found.astype("<u2").tobytes()) == crc
-    assert np.abs(found.astype(int) - samples).max() <= most
+    assert zlib.crc32(found.astype("<f4").tobytes()) == crc
+
+
+def grids_of(form: bytes, channels: int) -> list[tuple[float, float, int, int]]:
+    grids, at = [], 9
+    for _ in range(channels):
+        base, step = struct.unpack_from("<2d", form, at)
+        most, at = decode_varint(form, at + 16)
+        max_error, at = decode_varint(form, at)
+        grids.append((base, step, most, max_error))
+    return grids

@@ -89,6 +89,8 @@ def pictures() -> dict[str, tuple[Picture, EncodeSettings]]:
             Picture(np.ascontiguousarray(photo.pixels[100:120, :600, 1:2]) * np.uint16(257), "gray", (0.0, 65535.0)),
             replace(quick, max_error=0),
         ),
+        "float-tiles-lossless": (bare_floats(small[:48, :64], curved=True), replace(quick, tile=32, max_error=0)),
+        "float-near": (bare_floats(small[:48, :64], curved=True), replace(quick, max_error=0.01)),
         "one-pixel": (Picture(small[:1, :1], "rgb", (0.0, 255.0)), quick),
     }
 
@@ -103,9 +105,11 @@ def bare_bands(photo: np.ndarray) -> Picture:
     )
 
 
-def bare_floats(photo: np.ndarray) -> Picture:
-    """Floats with blanks, not-a-number and infinity."""
+def bare_floats(photo: np.ndarray, curved: bool = False) -> Picture:
+    """Floats with blanks, not-a-number and infinity; curved: that are no multiples of a step."""
     pixels = photo.astype(np.float32) / 8 - 5
+    if curved:
+        pixels = pixels * np.abs(pixels) / np.float32(30)
     pixels[20:40, 30:50], pixels[40, 55], pixels[10, 10, 1] = -9999, np.inf, np.nan
     return Picture(pixels, "rgb", (-5.0, 27.0), blank=-9999.0, exact=True)
 

@@ -1,0 +1,71 @@
+// The grids that samples of a residual layer lie on, and what they lack there (docs/format.md, "Residual layer").
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "bitstream/header.hpp"
+#include "bitstream/texture_bits.hpp"
+#include "bitstream/texture_models.hpp"
+
+namespace sgi {
+
+constexpr int32_t kMaxGridSteps = (1 << 22) - 1;  // so that sums of errors in sixteenths fit in 32 bits
+
+// Values 0 ... `most` of a channel stand for samples base + step * value.
+struct ResidualGrid {
+  double base, step;
+  int32_t most;
+  int32_t max_error;  // of values
+};
+
+// What a residual layer states of all its blocks.
+struct ResidualForm {
+  double max_error;  // of any sample
+  bool has_bits;     // whether floats come back bit by bit, not only their values on the grid
+  std::vector<ResidualGrid> grids;
+};
+
+// What the rest of the stream draws in a block, on the grids.
+struct GridBlock {
+  std::vector<int32_t> values;
+  std::vector<uint8_t> held;  // which samples come out as they are drawn: nodata, and floats that are not finite
+};
+
+// drawn [pixels, channels], in rows of `width`.
+GridBlock on_grids(const Header &header, const ResidualForm &form, const float *drawn, int64_t width, size_t count);
+// The values nearest to samples [count].
+std::vector<int32_t> nearest_values(const ResidualForm &form, const float *samples, size_t count);
+
+// Turns values into samples, and codes what they do not say: where a value would be nodata, on which side of it the
+// sample is; the bits of floats.
+template <class Bits>
+class GridRest {
+ public:
+  GridRest(const Header &header, const ResidualForm &form, Bits &bits);
+
+  // Leaves in `samples` [count] what a reader finds; false where bits end or tell of no float.
+  bool code(const GridBlock &drawn, const std::vector<int32_t> &values, const float *shown, float *samples);
+
+ private:
+  static constexpr int kLengths = 34;  // of a distance between floats, in bits
+
+  // What is known of a channel.
+  struct Channel {
+    int32_t nodata = -1;  // the value that would stand for it, if any may be off
+    int length = 0;       // of the last distance
+    std::vector<BitModel> lengths = std::vector<BitModel>(size_t(kLengths) * kLengths, BitModel{kCertain / 2, 0});
+  };
+
+  bool code_side(const Channel &channel, const ResidualGrid &grid, float sample, int32_t &value);
+  bool code_bits(Channel &channel, float found, float &sample);
+
+  const Header &header_;
+  const ResidualForm &form_;
+  Bits &bits_;
+  std::vector<Channel> channels_;
+};
+
+extern template class GridRest<BitRecorder>;
+extern template class GridRest<BitReader>;
+
+}  // namespace sgi

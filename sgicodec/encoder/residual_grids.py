@@ -1,0 +1,152 @@
+"""The grids on which a residual layer codes the samples of a picture (docs/format.md, "Residual layer")."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sgicodec import _native
+from sgicodec.bitstream.header import Header
+from sgicodec.bitstream.varint import encode_varint
+from sgicodec.metadata.layouts import alpha_index
+
+__all__ = ["residual_form"]
+
+_SCALES = (1, 10, 100, 1000, 10_000, 2, 4, 16, 64, 256, 1024, 4096)
+"""Floats are often whole multiples of one over one of these."""
+
+
+@dataclass(frozen=True)
+class _Grid:
+    """base, step: value j stands for base + j · step; most: the largest value; max_error: by how much one is off."""
+
+    base: float
+    step: float
+    most: int
+    max_error: int = 0
+
+    def encode(self) -> bytes:
+        reals = struct.pack("<2d", self.base, self.step)
+        return reals + encode_varint(self.most) + encode_varint(self.max_error)
+
+
+def residual_form(header: Header, windows: Iterable[NDArray[Any]], max_error: float) -> bytes:
+    """What a residual layer states of all its blocks, by the samples [h, w, C] of all windows of its picture."""
+    is_float = header.sample_type == "float32"
+    channels = [(_Floats if is_float else _Integers)() for _ in range(header.spec.channels)]
+    alpha = alpha_index(header.channels)
+    for pixels in windows:
+        for number, channel in enumerate(channels):
+            samples = pixels[..., number].ravel()
+            is_measured = np.isfinite(samples)
+            if header.blank is not None and number != alpha:
+                is_measured &= samples != header.blank
+            channel.see(samples[is_measured])
+    grids: list[_Grid | None] = [
+        channel.grid(max_error if is_float or number != alpha else 0, header.blank)
+        for number, channel in enumerate(channels)
+    ]
+    has_bits = is_float and (max_error == 0 or None in grids)
+    if has_bits:
+        grids = [channel.exact_grid() for channel in channels]
+    stated = [grid.encode() for grid in grids if grid is not None]
+    return struct.pack("<d", max_error) + encode_varint(int(has_bits)) + b"".join(stated)
+
+
+class _Extent:
+    """The least and the greatest sample of a channel."""
+
+    def __init__(self) -> None:
+        self.low = self.high = 0.0
+        self.is_empty = True
+
+    def see(self, samples: NDArray[Any]) -> None:
+        """More samples of the channel."""
+        if samples.size:
+            low, high = float(samples.min()), float(samples.max())
+            self.low, self.high = (low, high) if self.is_empty else (min(self.low, low), max(self.high, high))
+            self.is_empty = False
+
+    def exact_grid(self) -> _Grid:
+        """One with the samples on it, or near them."""
+        raise NotImplementedError
+
+    def grid(self, max_error: float, blank: float | None) -> _Grid | None:
+        """One from which no sample is off by more, none but by chance `blank`; None if there is no such."""
+        raise NotImplementedError
+
+
+class _Integers(_Extent):
+    """Whole numbers, with the greatest number that divides what they differ by."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._divisor = 0
+
+    def see(self, samples: NDArray[Any]) -> None:
+        super().see(samples)
+        for some in (samples[:1000], samples):
+            if self._divisor != 1 and some.size:
+                off = np.abs(np.unique(some).astype(np.int64) - int(self.low))
+                self._divisor = int(np.gcd.reduce([self._divisor, *off]))
+
+    def grid(self, max_error: float, blank: float | None) -> _Grid:
+        step = self._divisor or 1
+        most = int(self.high - self.low) // step
+        return _Grid(self.low, step, most, min(most, int(max_error // step)))
+
+
+class _Floats(_Extent):
+    """Floats, with the scales that make whole numbers of all of them."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._scales = list(_SCALES)
+
+    def see(self, samples: NDArray[Any]) -> None:
+        super().see(samples)
+        for some in (samples[:1000], samples):
+            self._scales = [scale for scale in self._scales if _are_whole(some, scale)]
+
+    def exact_grid(self) -> _Grid:
+        reach = self.high - self.low
+        scale = self._scale()
+        if scale is not None:
+            return _Grid(self.low, 1 / scale, round(reach * scale))
+        return _Grid(self.low, reach / _native.MAX_GRID_STEPS or 1.0, _native.MAX_GRID_STEPS if reach else 0)
+
+    def grid(self, max_error: float, blank: float | None) -> _Grid | None:
+        rounded = float(np.spacing(np.float32(max(abs(self.low), abs(self.high)))))
+        free, scale = 2 * (max_error - rounded), self._scale()
+        if scale is not None and max_error >= rounded:
+            exact = self.exact_grid()
+            is_exact = scale & (scale - 1) == 0
+            most_off = min(exact.most, int((max_error - (0 if is_exact else rounded)) * scale))
+            if (2 * most_off + 1) / scale >= free:
+                return replace(exact, max_error=most_off)
+        while free > 0 and (self.high - self.low) / free < _native.MAX_GRID_STEPS:
+            grid = _Grid(self.low, free, int((self.high - self.low) / free + 0.5))
+            if blank is None or not _is_on(grid, blank):
+                return grid
+            free *= 0.999
+        return None
+
+    def _scale(self) -> int | None:
+        """The least scale that makes whole numbers of all samples, not too large ones."""
+        reach = self.high - self.low
+        return next((scale for scale in self._scales if reach * scale <= _native.MAX_GRID_STEPS), None)
+
+
+def _are_whole(samples: NDArray[np.float32], scale: float) -> bool:
+    wide = samples.astype(np.float64)
+    return bool((np.rint(wide * scale) / scale).astype(np.float32).tobytes() == samples.tobytes())
+
+
+def _is_on(grid: _Grid, sample: float) -> bool:
+    value = np.clip(round((sample - grid.base) / grid.step), 0, grid.most) if np.isfinite(sample) else 0
+    return bool(np.float32(grid.base + grid.step * value) == np.float32(sample))
