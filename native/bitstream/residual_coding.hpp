@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <vector>
 
+#include "bitstream/pixel_repeats.hpp"
 #include "bitstream/residual_grid.hpp"
 #include "bitstream/residual_models.hpp"
 #include "bitstream/sample_predictor.hpp"
@@ -29,7 +30,8 @@ struct ResidualShape {
 template <class Bits>
 class ResidualCoding {
  public:
-  ResidualCoding(const ResidualShape &shape, const PredictorKernel &kernel, Bits &bits) : shape_(shape), bits_(bits) {
+  ResidualCoding(const ResidualShape &shape, const PredictorKernel &kernel, Bits &bits)
+      : shape_(shape), bits_(bits), repeats_(shape.width, shape.height, bits) {
     for (int k = 0; k < shape.channels(); ++k)
       channels_.emplace_back(shape, kernel, k, shape.grids[size_t(channel_at(k))]);
     for (int k = 0; k < std::min(shape.channels(), kGroups); ++k) models_.emplace_back(kModels, 2 * kSets);
@@ -40,16 +42,10 @@ class ResidualCoding {
     drawn_ = drawn.values.data();
     for (int64_t y = 0; y < shape_.height; ++y) {
       for (int64_t left = 0; left < shape_.width; left += SamplePredictor::kSegment) {
-        for (Channel &channel : channels_) channel.predictor.solve(left / SamplePredictor::kSegment);
         const int64_t right = std::min(shape_.width, left + SamplePredictor::kSegment);
+        is_solved_ = false;
         for (int64_t x = left; x < right; ++x)
-          for (int k = 0; k < shape_.channels(); ++k) {
-            const auto at = size_t((y * shape_.width + x) * shape_.channels() + channel_at(k));
-            if (drawn.held[at])
-              hold(k, y, x);
-            else if (!code_value(values[at], k, y, x))
-              return false;
-          }
+          if (!code_pixel(values.data(), drawn.held.data(), y, x)) return false;
       }
       for (Channel &channel : channels_) channel.predictor.fade();
     }
@@ -155,14 +151,72 @@ class ResidualCoding {
     return kDrawn;
   }
 
+  bool code_pixel(int32_t *values, const uint8_t *held, int64_t y, int64_t x) {
+    const int channels = shape_.channels();
+    const size_t at = size_t(y * shape_.width + x) * size_t(channels);
+    int64_t found = -1;
+    if (can_repeat_) {
+      const bool is_held = std::any_of(held + at, held + at + channels, [](uint8_t one) { return one; });
+      if (is_held)
+        repeats_.skip(y, x);
+      else if (!repeats_.code(y, x, [&](int64_t number) { return repeats(values, at, number); }, found))
+        return false;
+    }
+    if (found >= 0) {
+      repeat(values, at, found, y, x);
+    } else {
+      solve(x);
+      for (int k = 0; k < channels; ++k) {
+        const size_t c = at + size_t(channel_at(k));
+        if (held[c])
+          values[c] = hold(k, y, x);
+        else if (!code_value(values[c], k, y, x, false))
+          return false;
+      }
+    }
+    if (can_repeat_) repeats_.learn(y, x, colour_of(values + at));
+    return true;
+  }
+
+  uint32_t colour_of(const int32_t *pixel) const {
+    uint32_t colour = 1;
+    for (int c = 0; c < shape_.channels(); ++c) colour = (colour ^ uint32_t(pixel[c])) * 0x01000193u;
+    return colour;
+  }
+
+  bool repeats(const int32_t *values, size_t at, int64_t number) const {
+    return std::equal(values + at, values + at + shape_.channels(), values + number * shape_.channels());
+  }
+
+  void repeat(int32_t *values, size_t at, int64_t number, int64_t y, int64_t x) {
+    for (int k = 0; k < shape_.channels(); ++k) {
+      const int c = channel_at(k);
+      int32_t &value = values[at + size_t(c)];
+      value = values[number * shape_.channels() + c];
+      if (is_solved_)
+        code_value(value, k, y, x, true);
+      else
+        note(channels_[size_t(k)], y, x, {value - drawn_at(c, y, x), 0, value, {0, 0}});
+    }
+  }
+
+  // Finds the weights of the segment of a column, unless that was done.
+  void solve(int64_t x) {
+    if (is_solved_) return;
+    for (Channel &channel : channels_) channel.predictor.solve(x / SamplePredictor::kSegment);
+    is_solved_ = true;
+  }
+
   // What is not coded is as it is drawn.
-  void hold(int k, int64_t y, int64_t x) {
+  int32_t hold(int k, int64_t y, int64_t x) {
     Known known;
     known.value = drawn_at(channel_at(k), y, x);
     note(channels_[size_t(k)], y, x, known);
+    return known.value;
   }
 
-  bool code_value(int32_t &value, int k, int64_t y, int64_t x) {
+  // Codes a value, unless it is known, and learns from it.
+  bool code_value(int32_t &value, int k, int64_t y, int64_t x, bool is_known) {
     Channel &own = channels_[size_t(k)];
     float values[kPredictorRow]{};
     const int count = inputs(k, y, x, values);
@@ -171,18 +225,19 @@ class ResidualCoding {
     const auto exact = int32_t(std::floor((predicted > 0 ? predicted < most ? predicted : most : 0) * kFraction + 0.5));
     const int32_t middle = (exact + kFraction / 2) >> 4, fraction = exact - middle * kFraction;
     const Sample context = sample_context(k, y, x, middle, fraction);
-    int32_t steps = own.steps(value - middle);
-    if (!code_steps(context, own, middle, fraction >= 0, steps)) return false;
-    const int32_t found = std::clamp(middle + steps * own.step, 0, own.most);
-    value = found;
-    values[count] = float(found - drawn);
+    if (!is_known) {
+      int32_t steps = own.steps(value - middle);
+      if (!code_steps(context, own, middle, fraction >= 0, steps)) return false;
+      value = std::clamp(middle + steps * own.step, 0, own.most);
+    }
+    values[count] = float(value - drawn);
     const auto spread = float(context.spread);
     own.predictor.learn(values, 1 / (1 + spread * spread * (0.6f / (kFraction * kFraction))));
-    const auto miss = [&](int32_t guess) { return std::min(kFarthest, std::abs(own.steps(found - guess))); };
+    const auto miss = [&](int32_t guess) { return std::min(kFarthest, std::abs(own.steps(value - guess))); };
     note(own, y, x,
-         {found - drawn,
-          std::abs((found * kFraction - exact) / own.step),
-          found,
+         {value - drawn,
+          std::abs((value * kFraction - exact) / own.step),
+          value,
           {miss(context.guesses[0]), miss(context.guesses[1])}});
     return true;
   }
@@ -314,6 +369,10 @@ class ResidualCoding {
   const int32_t *drawn_ = nullptr;
   std::vector<Channel> channels_;
   std::vector<ResidualModels> models_;
+  PixelRepeats<Bits> repeats_;
+  const bool can_repeat_ =
+      std::all_of(shape_.grids.begin(), shape_.grids.end(), [](const ResidualGrid &grid) { return !grid.max_error; });
+  bool is_solved_ = false;  // whether weights are those of the segment
 };
 
 }  // namespace sgi

@@ -21,6 +21,10 @@ _SCALES = (1, 10, 100, 1000, 10_000, 2, 4, 16, 64, 256, 1024, 4096)
 """Floats are often whole multiples of one over one of these."""
 
 
+_GRAPHIC = 0.5
+"""Of the pixels of text, line art and screens, a larger share is as the pixel to the left."""
+
+
 @dataclass(frozen=True)
 class _Grid:
     """base, step: value j stands for base + j · step; most: the largest value; max_error: by how much one is off."""
@@ -39,8 +43,10 @@ def residual_form(header: Header, windows: Iterable[NDArray[Any]], max_error: fl
     """What a residual layer states of all its blocks, by the samples [h, w, C] of all windows of its picture."""
     is_float = header.sample_type == "float32"
     channels = [(_Floats if is_float else _Integers)() for _ in range(header.spec.channels)]
-    alpha = alpha_index(header.channels)
+    alpha, alike, count = alpha_index(header.channels), 0, 0
     for pixels in windows:
+        alike += np.count_nonzero((pixels[:, 1:] == pixels[:, :-1]).all(axis=2))
+        count += pixels.shape[0] * pixels.shape[1]
         for number, channel in enumerate(channels):
             samples = pixels[..., number].ravel()
             is_measured = np.isfinite(samples)
@@ -51,6 +57,8 @@ def residual_form(header: Header, windows: Iterable[NDArray[Any]], max_error: fl
         channel.grid(max_error if is_float or number != alpha else 0, header.blank)
         for number, channel in enumerate(channels)
     ]
+    if alike > _GRAPHIC * count:  # where pixels repeat each other, exact ones take less
+        grids = [grid and replace(grid, max_error=0) for grid in grids]
     has_bits = is_float and (max_error == 0 or None in grids)
     if has_bits:
         grids = [channel.exact_grid() for channel in channels]

@@ -38,17 +38,32 @@ def block(
     values = np.zeros((height, width, count), int)
     channels = [_Channel(k, shown[..., c], 2 * grids[c][3] + 1, grids[c][2]) for k, c in enumerate(order)]
     models = [_Models() for _ in range(min(3, len(order)))]
+    repeats, solved = _Repeats(width, height), False
+    is_exact = not any(most_off for *_, most_off in grids)
     for y in range(height):
         for x in range(width):
+            solved = x % 32 > 0 and solved
+            found = repeats.code(y, x, not held[y, x].any(), code) if is_exact else None
+            if found is None and not solved:
+                solved = True
+                for each in channels:
+                    each.solve(x // 32)
             for k, channel in enumerate(channels):
-                if x % 32 == 0 and k == 0:
-                    for each in channels:
-                        each.solve(x // 32)
-                if held[y, x, order[k]]:
+                c = order[k]
+                if held[y, x, c]:
+                    values[y, x, c] = channel.d(y, x)
                     channel.note(y, x, 0, channel.d(y, x), 64, (0, 0))
-                    continue
-                value = channel.sample(channels, y, x, lambda n, m, w, k=k: models[min(k, 2)].bit(code, n, m, w))
-                values[y, x, order[k]] = value
+                elif found is not None and not solved:
+                    values[y, x, c] = values[found // width, found % width, c]
+                    channel.note(y, x, values[y, x, c] - channel.d(y, x), values[y, x, c], 0, (0, 0))
+                else:
+                    known = None if found is None else int(values[found // width, found % width, c])
+                    coded = channel.sample(
+                        channels, y, x, known, lambda n, m, w, k=k: models[min(k, 2)].bit(code, n, m, w)
+                    )
+                    values[y, x, c] = coded
+            if is_exact:
+                repeats.learn(y, x, values[y, x].tolist())
         for channel in channels:
             channel.sums *= F32(0.9)
     out = drawn.copy()
@@ -105,6 +120,94 @@ class _Distances:
         return sign * distance
 
 
+class _Repeats:
+    def __init__(self, width: int, height: int) -> None:
+        self.width = width
+        self.colours = np.zeros((height + 2, width + 4), np.int64)
+        self.hits = np.zeros((height + 2, width + 4), int)
+        self.far: dict[int, _Seen] = {}
+        self.near: dict[int, _Seen] = {}
+        self.chances: dict[tuple[int, int, int], tuple[int, int]] = {}
+        self.all = (32768, 0)
+        self.models = _Models()
+
+    def code(self, y: int, x: int, is_coded: bool, code: Code) -> int | None:
+        """The number of the pixel that this one repeats."""
+        colours = self.colours[y : y + 3, x : x + 5].tolist()
+        (_, (nww, nw, n, ne, nee), (ww, w, *_)), (nn2w, nnw, nn, nne, nn2e) = colours, colours[0]
+        near = _mixed([w, n, ne, nw, ww, nn], 0)
+        far = _mixed([nee, nww, nnw, nne, nn2w, nn2e], near)
+        three = _mixed([w, n, ne], 0)
+        equal = [w == n, w == nw, n == ne, n == nw, w == ww, n == nn]
+        alike = sum(1 << i for i, one in enumerate(equal) if one)
+        self.places = [self.far.setdefault(far >> 16, _Seen()), self.near.setdefault(near >> 16, _Seen())]
+        if self.all[0] <= 10000:
+            self.places = []
+        seen = [(place.last, place.before, min(7, place.times)) for place in self.places] or [(None, None, 0)] * 2
+        times = [one[2] for one in seen]
+        number = y * self.width + x
+        sources = [seen[0][0], seen[1][0], (number - 1, w) if x else None, seen[1][1]]
+        sources += [(number - self.width, n) if y else None]
+        sources += [(number - self.width + 1, ne) if y and x < self.width - 1 else None]
+        found: list[tuple[int, int, int]] = []
+        for source, pixel in enumerate(sources):
+            if pixel is not None and len(found) < 5 and pixel[1] not in [colour for _, colour, _ in found]:
+                found.append((*pixel, source))
+        self.hit, self.candidates = 0, found if is_coded else []
+        if not self.candidates:
+            return None
+        self.chance = (found[0][2], 8 * times[0] + times[1], alike)
+        if self.chances.get(self.chance, (32768, 0))[0] <= (2000 if self.all[0] > 30000 else 40000):
+            return None
+        digits = [self.hits[y + 2, x + 1], self.hits[y + 1, x + 2], self.hits[y + 1, x + 3], self.hits[y + 1, x + 1]]
+        hits = int("".join(map(str, digits)), 7)
+        for r, (place, _, source) in enumerate(found):
+            numbers = [
+                64 * (6 * r + source) + 8 * times[0] + times[1],
+                1920 + 64 * r + alike,
+                2240 + (_mixed([r], near) >> 17),
+                35008 + (_mixed([r], three) >> 17),
+                67776 + 2401 * r + hits,
+            ]
+            sets = [8 * (6 * r + source) + times[0], 240 + 64 * r + alike]
+            self.hit = r + 1
+            if self.models.bit(code, 0, numbers, sets):
+                return place
+        self.hit = 6
+        return None
+
+    def learn(self, y: int, x: int, samples: list[int]) -> None:
+        colour = 1
+        for sample in samples:
+            colour = (colour ^ sample) * 0x01000193 & 0xFFFFFFFF
+        first, last = 0 if x == 0 else x + 2, x + 5 if x == self.width - 1 else x + 3
+        self.colours[y + 2, first:last], self.hits[y + 2, first:last] = colour, self.hit
+        if self.candidates:
+            is_hit = colour in [one for _, one, _ in self.candidates]
+            self.chances[self.chance] = _adapted(*self.chances.get(self.chance, (32768, 0)), is_hit)
+            self.all = _adapted(*self.all, is_hit)
+        for place in self.places:
+            if place.last is not None and place.last[1] == colour:
+                place.times = min(8, place.times + 1)
+            else:
+                place.before, place.times = place.last, 1
+            place.last = (y * self.width + x, colour)
+
+
+class _Seen:
+    def __init__(self) -> None:
+        self.last: tuple[int, int] | None = None
+        self.before: tuple[int, int] | None = None
+        self.times = 0
+
+
+def _mixed(colours: list[int], found: int) -> int:
+    for colour in colours:
+        found = (found ^ colour) * 0x9E3779B1 & 0xFFFFFFFF
+        found ^= found >> 15
+    return found
+
+
 class _Channel:
     def __init__(self, k: int, drawn: NDArray[np.int_], step: int, largest: int) -> None:
         self.k, self.drawn, self.step, self.largest = k, drawn, step, largest
@@ -147,7 +250,7 @@ class _Channel:
     def cross(self, y: int, x: int) -> list[int]:
         return [self.d(y + down, x + across) - self.d(y, x) for down, across in CROSS]
 
-    def sample(self, channels: list[_Channel], y: int, x: int, bit: Callable[..., int]) -> int:
+    def sample(self, channels: list[_Channel], y: int, x: int, known: int | None, bit: Callable[..., int]) -> int:
         k, v, j = self.k, y + 2, x + 2
         inputs = [self.e[v + down, j + across] for down, across in NEAR] + self.cross(y, x)
         for other in channels[max(0, k - 2) : k]:
@@ -171,6 +274,13 @@ class _Channel:
         def coded(node: int) -> int:
             return bit(node, [64 * number + node for number in numbers], [s[node > 1] + 64 * node for s in sets])
 
+        found = self.steps_coded(coded, middle, f, spread) if known is None else known
+        self.learn([*inputs, found - drawn], spread)
+        misses = [min(6, abs(self.steps(found - guess))) for guess, _ in guesses]
+        self.note(y, x, found - drawn, found, abs(16 * found - p) // self.step, (misses[0], misses[1]))
+        return found
+
+    def steps_coded(self, coded: Callable[[int], int], middle: int, f: int, spread: int) -> int:
         most_off = (self.step - 1) // 2
         low, high = -((middle + most_off) // self.step), (self.largest - middle + most_off) // self.step
         if f >= 0:
@@ -181,11 +291,7 @@ class _Channel:
             start = 0 if up else -1
         distance = _distance(coded, spread, 33 if up else 2, high - start if up else start - low)
         steps = start + distance if up else start - distance
-        found = min(self.largest, max(0, middle + self.step * steps))
-        self.learn([*inputs, found - drawn], spread)
-        misses = [min(6, abs(self.steps(found - guess))) for guess, _ in guesses]
-        self.note(y, x, found - drawn, found, abs(16 * found - p) // self.step, (misses[0], misses[1]))
-        return found
+        return min(self.largest, max(0, middle + self.step * steps))
 
     def note(self, y: int, x: int, e: int, value: int, magnitude: int, misses: tuple[int, int]) -> None:
         v, j = y + 2, x + 2

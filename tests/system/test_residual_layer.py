@@ -36,6 +36,16 @@ def photo(width: int, height: int) -> NDArray[np.uint8]:
     return np.ascontiguousarray(read(DATA / "kodim23.png").pixels[:height, :width])
 
 
+def text(width: int, height: int) -> NDArray[np.uint8]:
+    """Lines of a few letters of 6×8 pixels with soft edges, dark on light."""
+    rng = np.random.default_rng(8)
+    letters = 255 - rng.choice([0, 0, 0, 60, 200, 230], (9, 8, 6)).astype(np.uint8)
+    letters[:, :, 5] = letters[:, 7] = 255
+    lines = letters[rng.integers(0, 9, (-(-height // 8), -(-width // 6)))].transpose(0, 2, 1, 3)
+    page = lines.reshape(lines.shape[0] * 8, -1)[:height, :width]
+    return np.ascontiguousarray(np.stack([page, page, 255 - (255 - page) // 2], axis=2))
+
+
 def kinds() -> dict[str, Picture]:
     """A picture of each kind that has a residual layer."""
     rng, pixels = np.random.default_rng(5), photo(96, 64)
@@ -64,6 +74,7 @@ def kinds() -> dict[str, Picture]:
         "twelve bits": twelve,
         "noise16": Picture(rng.integers(0, 65536, (40, 33, 3)).astype(np.uint16), "rgb", (0.0, 65535.0)),
         "nodata": Picture(blank, "multi", (1.0, 65535.0), blank=0.0),
+        "text": Picture(text(96, 64), "rgb", (0.0, 255.0)),
         "nodata in the middle": Picture(middle, "multi", (0.0, 255.0), blank=100.0),
         "eight bits in sixteen": Picture(pixels.astype(np.uint16) * 257, "rgb", (0.0, 65535.0)),
         "heights": Picture(heights, "gray", (1000.0, 1077.0)),
@@ -117,6 +128,13 @@ def test_floats_within_any_error() -> None:
         assert off.max() <= error
         sizes.append(len(data))
     assert sizes[0] >= sizes[1] > sizes[2] > sizes[3] > sizes[4]
+
+
+def test_text_repeats_itself() -> None:
+    """Each letter takes little more than its name."""
+    page = Picture(text(600, 400), "rgb", (0.0, 255.0))
+    layer = dict(split(encode_picture(page, replace(LOSSLESS, quality=1)).data))["r"]
+    assert 8 * len(layer) < 15 * 100 * 50
 
 
 def test_values_that_do_not_occur_take_nothing() -> None:
@@ -266,6 +284,8 @@ def test_two_layers_are_refused() -> None:
         ("twelve bits", 0),
         ("seven bands", 1),
         ("nodata in the middle", 3),
+        ("text", 0),
+        ("text", 20),
         ("heights with holes", 0.05),
         ("wild floats", 0),
     ],

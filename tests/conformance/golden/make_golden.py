@@ -89,10 +89,18 @@ def pictures() -> dict[str, tuple[Picture, EncodeSettings]]:
             Picture(np.ascontiguousarray(photo.pixels[100:120, :600, 1:2]) * np.uint16(257), "gray", (0.0, 65535.0)),
             replace(quick, max_error=0),
         ),
+        "rgb8-drawing-lossless": (drawing(), replace(quick, max_error=0)),
         "float-tiles-lossless": (bare_floats(small[:48, :64], curved=True), replace(quick, tile=32, max_error=0)),
         "float-near": (bare_floats(small[:48, :64], curved=True), replace(quick, max_error=0.01)),
         "one-pixel": (Picture(small[:1, :1], "rgb", (0.0, 255.0)), quick),
     }
+
+
+def drawing() -> Picture:
+    """Squares and lines of a few colours, over and over."""
+    y, x = np.mgrid[:90, :130]
+    pixels = np.stack([x // 9 * y // 7 % 3 * 90, (x + y) // 11 % 2 * 255, (x * x // 40 + y) % 13 * 19], axis=2)
+    return Picture(np.ascontiguousarray(pixels.astype(np.uint8)), "rgb", (0.0, 255.0))
 
 
 def bare_bands(photo: np.ndarray) -> Picture:
