@@ -22,6 +22,7 @@ struct ResidualGrid {
 struct ResidualForm {
   double max_error;  // of any sample
   bool has_bits;     // whether floats come back bit by bit, not only their values on the grid
+  bool has_views;    // whether views at other scales and in other types are made from these samples
   std::vector<ResidualGrid> grids;
 };
 

@@ -13,6 +13,7 @@ namespace sgi {
 namespace {
 
 constexpr size_t kCrcBytes = 4;
+constexpr int64_t kHasBits = 1, kHasViews = 2;
 
 [[noreturn]] void corrupt(const char *text) { throw Error(Fault::corrupt, std::string("residual layer: ") + text); }
 
@@ -53,11 +54,13 @@ int64_t longest_residual_table(const Header &header) {
 }
 
 ResidualForm read_residual_form(const Header &header, Bytes start, size_t &at) {
-  ResidualForm form{read_real(start, at), false, std::vector<ResidualGrid>(size_t(header.spec.channels))};
+  ResidualForm form{read_real(start, at), false, false, std::vector<ResidualGrid>(size_t(header.spec.channels))};
   if (!(form.max_error >= 0) || std::isinf(form.max_error)) corrupt("its greatest error is no number from 0 on");
-  const int64_t has_bits = decode_varint(start, at);
-  if (has_bits > (header.sample_type == SampleType::f32)) corrupt("it has bits of floats where there are none");
-  form.has_bits = has_bits;
+  const int64_t flags = decode_varint(start, at);
+  form.has_bits = flags & kHasBits, form.has_views = flags & kHasViews;
+  if (flags > (kHasBits | kHasViews) || (form.has_bits && header.sample_type != SampleType::f32) ||
+      (form.has_views && (header.masked != Masked::none || header.has_exact || header.alpha() >= 0)))
+    corrupt("it has flags that do not go with the picture");
   for (ResidualGrid &grid : form.grids) {
     grid.base = read_real(start, at), grid.step = read_real(start, at);
     const int64_t most = decode_varint(start, at), max_error = decode_varint(start, at);

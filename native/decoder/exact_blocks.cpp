@@ -28,7 +28,7 @@ void with_type(SampleType type, const Function &function) {
 ExactBlocks::ExactBlocks(StreamReader &chunks, const DecoderSettings &settings)
     : chunks_(chunks), settings_(settings), across_(residual_blocks(chunks.header().width)), table_(table_of(chunks)) {}
 
-void ExactBlocks::fill(int64_t x, int64_t y, const PixelBlock &out, const Draw &draw) {
+void ExactBlocks::fill(int64_t x, int64_t y, const PixelBlock &out, SampleType type, const Draw &draw) {
   const int64_t last_row = (y + out.rows - 1) / kResidualBlock, last = (x + out.columns - 1) / kResidualBlock;
   for (int64_t row = y / kResidualBlock; row <= last_row; ++row) {
     std::vector<int64_t> missing;
@@ -41,7 +41,7 @@ void ExactBlocks::fill(int64_t x, int64_t y, const PixelBlock &out, const Draw &
         found->second.use = uses_;
     }
     decode(missing, draw);
-    for (int64_t column = x / kResidualBlock; column <= last; ++column) copy(row * across_ + column, x, y, out);
+    for (int64_t column = x / kResidualBlock; column <= last; ++column) copy(row * across_ + column, x, y, out, type);
     forget();
   }
 }
@@ -89,7 +89,7 @@ std::vector<float> ExactBlocks::drawn(const Place &place, const Draw &draw) cons
   return samples;
 }
 
-void ExactBlocks::copy(int64_t number, int64_t x, int64_t y, const PixelBlock &out) const {
+void ExactBlocks::copy(int64_t number, int64_t x, int64_t y, const PixelBlock &out, SampleType type) const {
   const Place from = place(number);
   const int64_t left = std::max(x, from.x), right = std::min(x + out.columns, from.x + from.width);
   const int64_t top = std::max(y, from.y), bottom = std::min(y + out.rows, from.y + from.height);
@@ -98,7 +98,7 @@ void ExactBlocks::copy(int64_t number, int64_t x, int64_t y, const PixelBlock &o
   for (int64_t row = top; row < bottom; ++row) {
     const float *source = samples + ((row - from.y) * from.width + left - from.x) * channels;
     const int64_t target = (row - y) * out.stride + (left - x) * channels;
-    with_type(chunks_.header().sample_type, [&](auto sample) {
+    with_type(type, [&](auto sample) {
       auto *first = static_cast<decltype(sample) *>(out.first) + target;
       for (int64_t i = 0; i < count; ++i) first[i] = decltype(sample)(source[i]);
     });

@@ -27,8 +27,11 @@ class ExactBlocks {
   ExactBlocks(StreamReader &chunks, const DecoderSettings &settings);
 
   double max_error() const { return table_.form.max_error; }
-  // Fills samples of the source's type with the region whose first pixel is (x, y). Throws Error (corrupt).
-  void fill(int64_t x, int64_t y, const PixelBlock &out, const Draw &draw);
+  // Whether views at other scales and in other types are made from these samples.
+  bool has_views() const { return table_.form.has_views; }
+  // Fills samples of a type, the source's or floats, with the region whose first pixel is (x, y). Throws Error
+  // (corrupt).
+  void fill(int64_t x, int64_t y, const PixelBlock &out, SampleType type, const Draw &draw);
 
  private:
   struct Kept {
@@ -39,7 +42,7 @@ class ExactBlocks {
   Place place(int64_t number) const;
   void decode(const std::vector<int64_t> &numbers, const Draw &draw);
   std::vector<float> drawn(const Place &place, const Draw &draw) const;
-  void copy(int64_t number, int64_t x, int64_t y, const PixelBlock &out) const;
+  void copy(int64_t number, int64_t x, int64_t y, const PixelBlock &out, SampleType type) const;
   void forget();
 
   StreamReader &chunks_;

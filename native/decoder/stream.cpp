@@ -10,6 +10,7 @@
 #include "base/error.hpp"
 #include "base/thread_pool.hpp"
 #include "decoder/compositor.hpp"
+#include "decoder/mean_view.hpp"
 
 namespace sgi {
 namespace {
@@ -33,9 +34,10 @@ std::optional<double> nodata_of(const Header &header) {
   return header.masked == Masked::nodata ? std::optional(header.nodata) : std::nullopt;
 }
 
-// Whether samples of this type are those of the source as they are.
-bool is_source_type(Output output, SampleType type) {
-  return output == (type == SampleType::u8 ? Output::u8 : type == SampleType::u16 ? Output::u16 : Output::f32);
+// As which samples of the source's type come out.
+Output own_output(const Header &header) {
+  const SampleType type = header.sample_type;
+  return type == SampleType::u8 ? Output::u8 : type == SampleType::u16 ? Output::u16 : Output::f32;
 }
 
 // One checksum of the symbols of several tiles; that of a single one is its own.
@@ -124,15 +126,28 @@ void Stream::draw_inside(const PictureView &view, int64_t top, const PixelBlock 
   const SampleFormat format(header(), output, parts_->nodata);
   const Drawing drawing{format, options.dither && format.is_dithered(header().sample_type), parts_->settings.threads,
                         parts_->settings.between};
-  const bool is_layered = !options.lossy && view.is_plain() && is_source_type(output, header().sample_type);
-  ExactBlocks *blocks = is_layered ? exact_blocks() : nullptr;
-  if (!blocks) return draw_view(header(), parts_->tiles, view, top, block, drawing);
-  const SampleFormat source(header(), output, nodata_of(header()));  // whatever `set_blank` says
+  ExactBlocks *blocks = options.lossy ? nullptr : exact_blocks();
+  const bool is_whole = view.is_plain() && output == own_output(header());
+  if (!blocks || !(is_whole || blocks->has_views()))
+    return draw_view(header(), parts_->tiles, view, top, block, drawing);
+  const SampleFormat source(header(), own_output(header()), nodata_of(header()));  // whatever `set_blank` says
   const Drawing plain{source, false, drawing.threads, drawing.between};
-  blocks->fill(int64_t(view.x), int64_t(view.y) + top, block, [&](const ExactBlocks::Place &at, const PixelBlock &out) {
+  const auto draw = [&](const ExactBlocks::Place &at, const PixelBlock &out) {
     const PictureView whole{double(at.x), double(at.y), 1, 1, at.width, at.height};
     draw_view(header(), parts_->tiles, whole, 0, out, plain);
-  });
+  };
+  if (is_whole) return blocks->fill(int64_t(view.x), int64_t(view.y) + top, block, header().sample_type, draw);
+  const MeanView::Fill fill = [&](int64_t x, int64_t y, int64_t columns, int64_t rows, float *samples) {
+    const PixelBlock out{samples, columns, rows, columns * header().spec.channels};
+    blocks->fill(x, y, out, SampleType::f32, draw);
+  };
+  MeanView(header(), view, fill, drawing.threads).draw(top, block, format, drawing.dither);
+}
+
+bool Stream::has_exact_views() {
+  const Lock lock(parts_->turn);
+  const ExactBlocks *blocks = exact_blocks();
+  return blocks && blocks->has_views();
 }
 
 ExactBlocks *Stream::exact_blocks() {

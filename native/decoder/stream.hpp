@@ -52,6 +52,8 @@ class Stream {
   const Survey &survey();
   // By how much samples are off the source's at most where the residual layer is drawn; -1 where there is none.
   double max_error();
+  // Whether views at any scale and in any type are made from what the residual layer makes exact.
+  bool has_exact_views();
   bool has_overview() const;
   Stream &overview();                                  // throws Error (usage) where there is none
   const std::vector<uint8_t> &overview_bytes() const;  // of the one that was asked for, else empty

@@ -23,7 +23,7 @@ from sgicodec.encoder.memory import estimate
 from sgicodec.encoder.plan import Plan, stream_plan
 from sgicodec.encoder.progress import NullListener, PassReporter
 from sgicodec.encoder.quality_calibration import with_quality_calibration
-from sgicodec.encoder.residual import residual_layer
+from sgicodec.encoder.residual import residual_layer, with_exact_views
 from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.encoder.tiles.checkpoint import fingerprint
 from sgicodec.encoder.tiles.passes import Finished, TilePasses
@@ -84,7 +84,8 @@ def encode_picture(
     windows, plan = without_needless_alpha(windows, plan, listener)
     where = Path(output) if isinstance(output, str) else output
     with locked(where) if isinstance(where, Path) else nullcontext():
-        request = _Request(windows, with_quality_calibration(windows, plan), where, listener, device, verify)
+        plan = with_quality_calibration(windows, with_exact_views(windows, plan))
+        request = _Request(windows, plan, where, listener, device, verify)
         return _encoded(request, executor, store)
 
 

@@ -145,7 +145,7 @@ def _software(settings: EncodeSettings, fit: FitSettings) -> bytes:
     """What chunk `s` says."""
     scales = settings.chosen_profile.scales
     asked = settings.target_label or (
-        f"q{settings.quality:g}" if "quality" in scales and settings.lmbda is None else f"l{fit.lmbda:g}"
+        f"q{settings.chosen_quality:g}" if "quality" in scales and settings.lmbda is None else f"l{fit.lmbda:g}"
     )
     took = f"e{settings.effort}" if "effort" in scales and settings.steps is None else f"n{fit.steps}"
     asked += f" {settings.tuned_for}" if settings.chosen_profile.has_distortions else ""

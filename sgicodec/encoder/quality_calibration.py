@@ -50,10 +50,10 @@ def with_quality_calibration(windows: Windows, plan: Plan) -> Plan:
         return plan
     gradients = [log_gradients(picture, header.masked) for picture in _sample(windows, header.width, header.height)]
     blocks = np.concatenate(gradients)
-    offset = quality_offset(blocks.mean(axis=0), settings.quality) if len(blocks) else 0.0
+    offset = quality_offset(blocks.mean(axis=0), settings.chosen_quality) if len(blocks) else 0.0
     lmbda = settings.fit_settings().lmbda * 2.0 ** (-offset / 8.0)
     planned = plan.at(lmbda, quality_index(lmbda))
-    return planned if header.tile else replace(planned, calibrated_quality=settings.quality)
+    return planned if header.tile else replace(planned, calibrated_quality=settings.chosen_quality)
 
 
 def quality_offset(gradients: F64, quality: float) -> float:

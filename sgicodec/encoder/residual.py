@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -16,13 +17,21 @@ from sgicodec.bitstream.header import Header, encode_header
 from sgicodec.bitstream.varint import encode_varint
 from sgicodec.decoder.stream import Stream
 from sgicodec.device import Device
+from sgicodec.encoder.graphics import Repeats, may_have_views
 from sgicodec.encoder.input.windows import Windows
+from sgicodec.encoder.plan import Plan
 from sgicodec.encoder.residual_grids import residual_form
 from sgicodec.errors import PictureError
+from sgicodec.model.steps import quality_index
+from sgicodec.model.tile_grid import Rect
 
-__all__ = ["residual_layer"]
+__all__ = ["residual_layer", "with_exact_views"]
 
 _CRC_BYTES = 4
+_LARGE_LMBDA = 1e4
+"""At which a model of one Gaussian is best."""
+_SAMPLES = 12
+"""Blocks by which a picture is judged."""
 
 
 def residual_layer(stream: Stream, windows: Windows, max_error: float, device: Device) -> bytes:
@@ -47,6 +56,43 @@ def residual_layer(stream: Stream, windows: Windows, max_error: float, device: D
     return b"".join([form, *table, *(block.data for block in blocks)])
 
 
+def with_exact_views(windows: Windows, plan: Plan) -> Plan:
+    """The plan of a lossless stream that shows exact pixels at every scale, over a lossy picture that takes next to
+    nothing, for text, line art and screens: where a residual layer is asked for, but no quality of what is below; and
+    where neither is, but the stream will probably be no larger than a lossy one of this quality.
+    """
+    settings, header = plan.settings, plan.header
+    is_free = (settings.lmbda, settings.target) == (None, None) and settings.chosen_profile.has_overviews
+    if not is_free or not may_have_views(header) or (settings.max_error is not None and settings.quality is not None):
+        return plan
+    rects = list(_rects(header))
+    if settings.max_error is None:
+        rects = rects[:: -(-len(rects) // _SAMPLES)]
+    repeats = Repeats()
+    for rect in rects:
+        repeats.see(windows.read(*rect).pixels)
+    if not repeats.are_usual:
+        return plan
+    if settings.max_error is None:
+        if _bits_of_pixel(header, windows, rects) > 0.8 * 2 ** ((settings.chosen_quality - 50) / 20):
+            return plan
+        plan = replace(plan, settings=replace(settings, max_error=0))
+    plan = replace(plan, settings=replace(plan.settings, effort=1, steps=None))
+    return plan.at(_LARGE_LMBDA, quality_index(_LARGE_LMBDA))
+
+
+def _bits_of_pixel(header: Header, windows: Windows, rects: list[Rect]) -> float:
+    """What a residual layer takes of these blocks, without loss and whatever is drawn below."""
+    form = residual_form(header, (windows.read(*rect).pixels for rect in rects), 0)
+    bits, count = 0.0, 0
+    for rect in rects:
+        samples = _samples(windows.read(*rect).pixels)
+        coded, ones, _ = _native.code_residual(samples, np.zeros_like(samples), encode_header(header), form)
+        bits -= float(np.log2(np.where(coded, ones, 65536 - ones) / 65536).sum())
+        count += rect[2] * rect[3]
+    return bits / count
+
+
 class _Block(NamedTuple):
     """A coded block, and the CRC-32 of its samples."""
 
@@ -63,7 +109,7 @@ def _samples(pixels: NDArray[Any]) -> NDArray[np.float32]:
     return np.ascontiguousarray(pixels, np.float32)
 
 
-def _rects(header: Header) -> Iterator[tuple[int, int, int, int]]:
+def _rects(header: Header) -> Iterator[Rect]:
     """The blocks (x, y, width, height) of a picture, in rows."""
     side = _native.RESIDUAL_BLOCK
     for y in range(0, header.height, side):

@@ -13,16 +13,13 @@ from numpy.typing import NDArray
 from sgicodec import _native
 from sgicodec.bitstream.header import Header
 from sgicodec.bitstream.varint import encode_varint
+from sgicodec.encoder.graphics import Repeats, may_have_views
 from sgicodec.metadata.layouts import alpha_index
 
 __all__ = ["residual_form"]
 
 _SCALES = (1, 10, 100, 1000, 10_000, 2, 4, 16, 64, 256, 1024, 4096)
 """Floats are often whole multiples of one over one of these."""
-
-
-_GRAPHIC = 0.5
-"""Of the pixels of text, line art and screens, a larger share is as the pixel to the left."""
 
 
 @dataclass(frozen=True)
@@ -43,10 +40,9 @@ def residual_form(header: Header, windows: Iterable[NDArray[Any]], max_error: fl
     """What a residual layer states of all its blocks, by the samples [h, w, C] of all windows of its picture."""
     is_float = header.sample_type == "float32"
     channels = [(_Floats if is_float else _Integers)() for _ in range(header.spec.channels)]
-    alpha, alike, count = alpha_index(header.channels), 0, 0
+    alpha, repeats = alpha_index(header.channels), Repeats()
     for pixels in windows:
-        alike += np.count_nonzero((pixels[:, 1:] == pixels[:, :-1]).all(axis=2))
-        count += pixels.shape[0] * pixels.shape[1]
+        repeats.see(pixels)
         for number, channel in enumerate(channels):
             samples = pixels[..., number].ravel()
             is_measured = np.isfinite(samples)
@@ -57,13 +53,14 @@ def residual_form(header: Header, windows: Iterable[NDArray[Any]], max_error: fl
         channel.grid(max_error if is_float or number != alpha else 0, header.blank)
         for number, channel in enumerate(channels)
     ]
-    if alike > _GRAPHIC * count:  # where pixels repeat each other, exact ones take less
+    if repeats.are_usual:  # exact ones take less
         grids = [grid and replace(grid, max_error=0) for grid in grids]
     has_bits = is_float and (max_error == 0 or None in grids)
     if has_bits:
         grids = [channel.exact_grid() for channel in channels]
     stated = [grid.encode() for grid in grids if grid is not None]
-    return struct.pack("<d", max_error) + encode_varint(int(has_bits)) + b"".join(stated)
+    flags = has_bits + 2 * (repeats.are_usual and may_have_views(header))
+    return struct.pack("<d", max_error) + encode_varint(flags) + b"".join(stated)
 
 
 class _Extent:

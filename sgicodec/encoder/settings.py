@@ -33,8 +33,10 @@ _NUMBERS: dict[str, type] = {"int": Integral, "float": Real}
 class EncodeSettings:
     """What an encode may be asked for. None means what the profile says, or what suits the picture."""
 
-    quality: float = 50.0
-    """1 to 100, by which λ follows in the default profile."""
+    quality: float | None = None
+    """1 to 100, by which λ follows in the default profile: 50, but with `max_error` as little as can be where exact
+    pixels show the picture at every scale.
+    """
     lmbda: float | None = None
     """λ itself: squared error, samples in 0..1, that one bit must save."""
     effort: int = 3
@@ -86,7 +88,7 @@ class EncodeSettings:
     """Whether a stream of several tiles carries the picture in small."""
     max_error: float | None = None
     """Levels by which no sample may be off, alpha by none; floats by so much: a residual layer sees to it. 0 is without
-    loss; None for no layer.
+    loss; None for no layer, but for text, line art and screens that take no more bytes so.
     """
     low_effort: bool | None = None
     """Whether fits of fewer than 300 steps beneath texture leave out what gains little for its time; None for those
@@ -146,6 +148,11 @@ class EncodeSettings:
         return TileGrid(width, height, tile, min(APRON, tile // 4) if self.apron is None else self.apron)
 
     @property
+    def chosen_quality(self) -> float:
+        """The quality, whether it is asked for or not."""
+        return 50.0 if self.quality is None else self.quality
+
+    @property
     def target(self) -> str | None:
         """Which of the targets is asked for, if one is."""
         return next((name for name in TARGETS if getattr(self, name) is not None), None)
@@ -183,7 +190,7 @@ class EncodeSettings:
     def _ranges(self) -> list[tuple[bool, str]]:
         """Whether each setting lies where it must, and what to say if not."""
         return [
-            (1 <= self.quality <= 100, f"quality {self.quality:g}; it runs from 1 to 100"),
+            (1 <= self.chosen_quality <= 100, f"quality {self.chosen_quality:g}; it runs from 1 to 100"),
             (
                 self.lmbda is None or 0 <= self.lmbda < math.inf,
                 f"lmbda {self.lmbda}; it must not be negative",

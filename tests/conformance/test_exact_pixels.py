@@ -21,7 +21,7 @@ QUICK = {"gray16-texture", "gray8-alpha", "multi16-bands", "one-pixel", "paper-r
 )
 def test_a_picture(name: str, scale: float) -> None:
     with open_stream(GOLDEN / f"{name}.sgi") as stream:
-        stream.exact = True
+        stream.exact = stream.lossy = True
         columns, rows = (max(1, round(side * scale)) for side in (stream.width, stream.height))
         found = stream.render(size=(columns, rows)).transpose(2, 0, 1)
         across, down = View(0.0, columns / stream.width, columns), View(0.0, rows / stream.height, rows)

@@ -88,7 +88,7 @@ EMSCRIPTEN_KEEPALIVE Stream *viewer_open(double size, double cache_bytes) {
 EMSCRIPTEN_KEEPALIVE void viewer_close(Stream *stream) { delete stream; }
 
 // Width, height, channels, tiles, largest side of a tile, whether there is an overview, levels, whether all pixels hold
-// something, are opaque and have values that eight bits show as they are, the apron of tiles.
+// something, are opaque, have values that eight bits show as they are, and come from tiles, the apron of tiles.
 EMSCRIPTEN_KEEPALIVE void viewer_info(Stream *stream, double *facts) {
   const Header &header = stream->header();
   const double found[] = {double(header.width),
@@ -98,7 +98,7 @@ EMSCRIPTEN_KEEPALIVE void viewer_info(Stream *stream, double *facts) {
                           double(header.tile),
                           double(stream->has_overview()),
                           double(levels_of(header.width, header.height).size()),
-                          double(is_plain(header)),
+                          double(is_plain(header) && !stream->has_exact_views()),
                           double(header.apron)};
   std::copy(std::begin(found), std::end(found), facts);
 }
@@ -111,7 +111,8 @@ EMSCRIPTEN_KEEPALIVE int viewer_draw(Stream *stream, double x, double y, double 
     const int channels = header.spec.channels;
     const PictureView view{x, y, columns / width, rows / height, columns, rows};
     std::vector<uint8_t> samples(size_t(columns) * size_t(rows) * size_t(channels));
-    const DrawOptions fast{false, true, true};  // a residual layer changes what nobody sees, and takes its time
+    // Else a residual layer changes what nobody sees, and takes its time.
+    const DrawOptions fast{false, true, !stream->has_exact_views()};
     stream->draw(view, 0, rows, Output::u8, fast, samples.data(), int64_t(columns) * channels);
     to_rgba(samples.data(), channels, header.channels, int64_t(columns) * rows, rgba);
     return 0;

@@ -16,6 +16,7 @@ from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.metadata.layouts import alpha_index
 from sgicodec.model.tile_grid import Rect
 from sgicodec.picture import Picture, exact_samples, from_unit, nodata_samples, to_unit
+from sgicodec.profiles.default import lmbda_of_quality
 
 __all__ = ["overview_picture", "overview_settings", "takes_overview"]
 
@@ -43,6 +44,8 @@ def takes_overview(plan: Plan) -> bool:
 def overview_settings(plan: Plan, lmbda: float) -> EncodeSettings:
     """Those of the overview of a stream whose tiles are fitted at λ."""
     tiles = {"tile": plan.header.tile, "apron": plan.header.apron, "overview": False}
+    if plan.settings.max_error is not None:  # below which there may be next to nothing
+        lmbda = min(lmbda, lmbda_of_quality(plan.settings.chosen_quality))
     return plan.settings.at_lmbda(lmbda / _FINER, metadata=False, max_error=None, **tiles)
 
 

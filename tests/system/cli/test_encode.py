@@ -74,7 +74,7 @@ def test_json(sgi: Run, picture: Path, tmp_path: Path, pixels: np.ndarray) -> No
 @pytest.mark.parametrize(
     ("options", "expected"),
     [
-        ([], {"quality": 50.0, "lmbda": None, "effort": 3, "profile": "default", "seed": 0, "metadata": True}),
+        ([], {"quality": None, "lmbda": None, "effort": 3, "profile": "default", "seed": 0, "metadata": True}),
         (["-q", "73.5"], {"quality": 73.5}),
         (["--quality", "1"], {"quality": 1.0}),
         (["--lmbda", "0.25"], {"lmbda": 0.25}),

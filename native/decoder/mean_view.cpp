@@ -1,0 +1,71 @@
+#include "decoder/mean_view.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/thread_pool.hpp"
+
+namespace sgi {
+
+namespace {
+
+constexpr int64_t kSourceRows = 64;  // about as many are held at once
+
+}  // namespace
+
+double MeanView::Cover::weight(int64_t at) const { return std::min(high, double(at + 1)) - std::max(low, double(at)); }
+
+MeanView::Cover MeanView::cover(double start, double scale, int64_t index, int64_t size) {
+  const double low = std::clamp(start + double(index) / scale, 0.0, double(size));
+  const double high = std::clamp(start + double(index + 1) / scale, 0.0, double(size));
+  const int64_t first = std::min(int64_t(low), size - 1);
+  return {first, std::max(first, int64_t(std::ceil(high)) - 1), low, high};
+}
+
+MeanView::MeanView(const Header &header, const PictureView &view, const Fill &fill, int threads)
+    : header_(header), view_(view), fill_(fill), threads_(threads) {
+  for (int64_t i = 0; i < view.columns; ++i) columns_.push_back(cover(view.x, view.sx, i, header.width));
+}
+
+void MeanView::draw(int64_t top, const PixelBlock &block, const SampleFormat &format, bool dither) const {
+  const int64_t at_once = std::clamp<int64_t>(int64_t(double(kSourceRows) * view_.sy), 1, kSourceRows);
+  const int64_t left = columns_.front().first, width = columns_.back().last + 1 - left;
+  const int channels = header_.spec.channels;
+  std::vector<float> samples, values;
+  for (int64_t begin = 0; begin < block.rows; begin += at_once) {
+    const int64_t rows = std::min(at_once, block.rows - begin), row = top + begin;
+    const int64_t first = cover(view_.y, view_.sy, row, header_.height).first;
+    const int64_t height = cover(view_.y, view_.sy, row + rows - 1, header_.height).last + 1 - first;
+    samples.resize(size_t(width * height * channels)), values.resize(size_t(rows * block.columns * channels));
+    fill_(left, first, width, height, samples.data());
+    parallel_for(rows, threads_,
+                 [&](int64_t i) { average(row + i, first, samples, &values[size_t(i * block.columns * channels)]); });
+    const PixelBlock part = format.part(block, 0, begin, block.columns, rows);
+    if (dither)
+      format.store_dithered(values.data(), 0, row, part, threads_);
+    else
+      format.store(values.data(), part, threads_);
+  }
+}
+
+void MeanView::average(int64_t row, int64_t first, const std::vector<float> &samples, float *values) const {
+  const int64_t left = columns_.front().first, width = columns_.back().last + 1 - left;
+  const int channels = header_.spec.channels;
+  const Cover down = cover(view_.y, view_.sy, row, header_.height);
+  for (const Cover &across : columns_) {
+    const double area = (down.high - down.low) * (across.high - across.low);
+    for (int c = 0; c < channels; ++c, ++values) {
+      double sum = 0;
+      for (int64_t y = down.first; y <= down.last; ++y) {
+        const float *line = &samples[size_t(((y - first) * width - left) * channels + c)];
+        double part = 0;
+        for (int64_t x = across.first; x <= across.last; ++x) part += across.weight(x) * double(line[x * channels]);
+        sum += down.weight(y) * part;
+      }
+      const double low = header_.low[size_t(c)], high = header_.high[size_t(c)];
+      *values = float((sum / area - low) / (high - low));
+    }
+  }
+}
+
+}  // namespace sgi
