@@ -69,10 +69,7 @@ def _shift(value: Any, bits: int) -> Any:
 
 @dataclass(frozen=True)
 class AttributeQuantiser:
-    """What is known before the first attribute: the model's kind, its seeds and its networks.
-
-    `matmul` is there so that a test can sum in another order and still get the same symbols.
-    """
+    """What is known before the first attribute: the model's kind, its seeds and its networks."""
 
     spec: ModelSpec
     layout: SeedLayout
@@ -82,7 +79,6 @@ class AttributeQuantiser:
     hash_tables: list[I64]
     quality: int
     family: int
-    matmul: Any = None
 
     def quantise(self, values: dict[str, F64]) -> QuantisedAttributes:
         """The symbols of the float attributes `values` by group [N, size], and what they decode to."""
@@ -124,7 +120,7 @@ class AttributeQuantiser:
             if number:
                 summary, amplitude = summarise(self.spec, decoded, members, ONE_THREAD)
                 write_own_inputs(summary, number, widths[0], inputs, ONE_THREAD)
-            prediction = self.networks[number].predict(inputs[:, : widths[number]], self.matmul, ONE_THREAD)
+            prediction = self.networks[number].predict(inputs[:, : widths[number]])
             start = 0
             for position, name in enumerate(step):
                 units = slice(start, start + output_count(self.spec, name))

@@ -38,6 +38,15 @@ def evaluate(net: IntNetwork, row: list[int]) -> list[int]:
     return means + [(6 * v) >> (6 + net.shift) for v in y[PREDICTED:]]
 
 
+def products(net: IntNetwork, rows: np.ndarray) -> list[list[int]]:
+    """The same of many rows, as products of matrices of integers."""
+    x = np.clip(rows.astype(np.int64), -(2**13), 2**13)
+    hidden = np.clip((x @ net.w1.T + 64 * net.b1) >> net.shift, 0, 2**15)
+    y = hidden @ net.w2.T + 64 * net.b2
+    means, others = y[:, : net.predicted] >> (net.shift - 2), (6 * y[:, net.predicted :]) >> (6 + net.shift)
+    return np.concatenate([means, others], axis=1).tolist()
+
+
 def joined(prediction: Prediction) -> list[list[int]]:
     whole = np.concatenate([prediction.mean, prediction.scale, prediction.refine], axis=1)
     assert whole.dtype == np.int64
@@ -60,7 +69,6 @@ def test_predictions_are_those_of_integers(isa: str, inputs: list[list[int]], se
     prediction = net.predict(np.array(inputs), device=Device(isa=isa))
     assert joined(prediction) == [evaluate(net, row) for row in inputs]
     assert (prediction.mean.shape[1], prediction.scale.shape[1], prediction.refine.shape[1]) == (3, 3, 2)
-    assert joined(net.predict(np.array(inputs), np.matmul)) == joined(prediction)
 
 
 @every_isa
@@ -78,7 +86,7 @@ def test_any_shape_and_number_of_rows(isa: str, threads: int, shape: tuple[int, 
         for count in (0, 1, 6, 1100):
             x = rng.integers(-(2**15), 2**15, (count, inputs + 3)).astype(np.int16)[:, :inputs]
             found = net.predict(x, device=Device(threads, isa))
-            assert joined(found) == joined(net.predict(x, np.matmul))
+            assert joined(found) == products(net, x)
 
 
 @every_isa
