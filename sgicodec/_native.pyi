@@ -1,4 +1,4 @@
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Annotated, overload
 
 import numpy
@@ -336,7 +336,7 @@ class SymbolReader:
         Corners [N, 2] and log2 of the sides [N] of at most so many seeds of one pixel.
         """
 
-    def read_predicted_positions(self, scenery: TreeScenery, most: int, threads: int, isa: str) -> tuple[Annotated[NDArray[numpy.int32], dict(shape=(None, None))], Annotated[NDArray[numpy.int8], dict(shape=(None,))]]:
+    def read_predicted_positions(self, size: tuple[int, int], base: Annotated[NDArray[numpy.int64], dict(shape=(None, None, None), order='C', device='cpu', writable=False)], cell: int, quality: int, most: int, threads: int, isa: str) -> tuple[Annotated[NDArray[numpy.int32], dict(shape=(None, None))], Annotated[NDArray[numpy.int8], dict(shape=(None,))]]:
         """The same of a quadtree whose flags are predicted."""
 
     def read_texture(self, size: tuple[int, int], channels: int) -> tuple[tuple[int, list[int], tuple[int, int], tuple[int, int, int], bool, tuple[int, int, int]], Annotated[NDArray[numpy.uint8], dict(shape=(None, None))], Annotated[NDArray[numpy.int8], dict(shape=(None, None))], Annotated[NDArray[numpy.int16], dict(shape=(None, None, None))]] | None:
@@ -518,46 +518,16 @@ def decode_tile_chunk(header: bytes, payload: bytes) -> tuple[int, bool, list[tu
     samples (place, value); the payload of its model.
     """
 
-def tree_input_count(child: int) -> int: ...
+def flag_frequencies() -> Annotated[NDArray[numpy.int64], dict(shape=(None, None))]:
+    """Frequencies [rows, 2] of the flags of a tree of seeds."""
 
-class TreeNetwork:
-    def __init__(self, w1: Annotated[NDArray[numpy.int64], dict(shape=(None, None), order='C', device='cpu', writable=False)], b1: Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu', writable=False)], w2: Annotated[NDArray[numpy.int64], dict(shape=(None, None), order='C', device='cpu', writable=False)], b2: Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu', writable=False)], shift: int, child: int, isa: str) -> None: ...
+def position_flags(size: tuple[int, int], base: Annotated[NDArray[numpy.int64], dict(shape=(None, None, None), order='C', device='cpu', writable=False)], cell: int, quality: int, corner: Annotated[NDArray[numpy.int32], dict(shape=(None, None), order='C', device='cpu', writable=False)], log_size: Annotated[NDArray[numpy.int8], dict(shape=(None,), order='C', device='cpu', writable=False)], threads: int, isa: str) -> list[tuple[Annotated[NDArray[numpy.uint8], dict(shape=(None,))], Annotated[NDArray[numpy.int16], dict(shape=(None,))]]]:
+    """
+    The flags of the tree of these seeds and the rows of their frequencies, in groups as they are coded.
+    """
 
-class TreeScenery:
-    def __init__(self, width: int, height: int, base: Annotated[NDArray[numpy.int64], dict(shape=(None, None, None), order='C', device='cpu', writable=False)], cell: int, quality: int) -> None: ...
-
-class TreeBatch:
-    """Nodes of one level and child number that are coded together."""
-
-    @property
-    def level(self) -> int: ...
-
-    @property
-    def child(self) -> int: ...
-
-    def __len__(self) -> int: ...
-
-    @property
-    def needed(self) -> Annotated[NDArray[numpy.bool_], dict(shape=(None,))]:
-        """
-        Which [n] must not be empty, being the last of their parent's children where the others are.
-        """
-
-    @property
-    def codes(self) -> Annotated[NDArray[numpy.int64], dict(shape=(None,))]:
-        """Morton codes [n] at their level."""
-
-    @property
-    def inputs(self) -> Annotated[NDArray[numpy.int16], dict(shape=(None, None))]:
-        """What a prediction sees [n, inputs], in 1/64."""
-
-    def rows(self, network: TreeNetwork, shift: int, most: int, threads: int) -> Annotated[NDArray[numpy.int16], dict(shape=(None, None))]:
-        """
-        What the network of this child number says [n, 3]: log-odds in units of 2^(shift - 8), clipped to ±most
-        and moved by `most`.
-        """
-
-    def seed_rows(self, rows: Annotated[NDArray[numpy.int16], dict(shape=(None, None), order='C', device='cpu', writable=False)], split: Annotated[NDArray[numpy.uint8], dict(shape=(None,), order='C', device='cpu', writable=False)], certain: int) -> Annotated[NDArray[numpy.int16], dict(shape=(None,))]:
-        """The row of every seed flag [n]: `certain` where it is needed."""
-
-def walk_tree(scenery: TreeScenery, max_seeds: int, code: Callable[[TreeBatch], tuple[Annotated[NDArray[numpy.uint8], dict(shape=(None,), order='C', device='cpu', writable=False)], Annotated[NDArray[numpy.uint8], dict(shape=(None,), order='C', device='cpu', writable=False)]]]) -> None: ...
+def tree_examples(size: tuple[int, int], base: Annotated[NDArray[numpy.int64], dict(shape=(None, None, None), order='C', device='cpu', writable=False)], cell: int, quality: int, corner: Annotated[NDArray[numpy.int32], dict(shape=(None, None), order='C', device='cpu', writable=False)], log_size: Annotated[NDArray[numpy.int8], dict(shape=(None,), order='C', device='cpu', writable=False)], child: int) -> list[tuple[int, Annotated[NDArray[numpy.int16], dict(shape=(None, None))], Annotated[NDArray[numpy.uint8], dict(shape=(None,))], Annotated[NDArray[numpy.uint8], dict(shape=(None,))], Annotated[NDArray[numpy.uint8], dict(shape=(None,))]]]:
+    """
+    Of each level's nodes of a child number: the level, what a prediction sees [n, inputs] in 1/64, which are
+    split and which carry seeds, and which must not be empty.
+    """

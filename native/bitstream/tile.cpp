@@ -84,9 +84,8 @@ class TileReader {
     Seeds seeds;
     const int64_t most = max_seeds(spec_, header_.width, header_.height, payload_bytes_, memory_);
     if (spec_.layout == SeedLayoutKind::adaptive) {
-      const auto scenery =
-          std::make_shared<const TreeScenery>(header_.width, header_.height, model_.base.data(), spec_.channels, rows_,
-                                              columns_, spec_.base_cell, header_.quality);
+      const TreeScenery scenery(header_.width, header_.height, model_.base.data(), spec_.channels, rows_, columns_,
+                                spec_.base_cell, header_.quality);
       seeds = read_predicted_positions(reader_, scenery, most, threads_, isa_);
     } else {
       seeds = read_positions(reader_, header_.width, header_.height, most);

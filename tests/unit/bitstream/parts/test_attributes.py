@@ -17,9 +17,7 @@ from sgicodec import _native
 from sgicodec._native import SymbolReader
 from sgicodec.bitstream.header import Header, decode_header, encode_header
 from sgicodec.bitstream.limits import hash_counts, network_shapes
-from sgicodec.bitstream.parts.predicted_tree import TreeContext, native_tree_context
 from sgicodec.bitstream.parts.prior import load_prior
-from sgicodec.bitstream.parts.seed_tree import TreeShape
 from sgicodec.bitstream.parts.tile import TileModel, quantise, read_tile, write_tile
 from sgicodec.bitstream.parts.tile_chunk import decode_tile_chunk
 from sgicodec.device import ONE_THREAD, Device
@@ -150,9 +148,8 @@ def skip_to_attributes(reader: SymbolReader, header: Header) -> None:
         reader.read_bits(8, 1)
         base = reader.read_base(spec.channels, *base_shape(header.width, header.height, spec.base_cell))
     if spec.layout == "adaptive":
-        shape = TreeShape(header.width, header.height)
-        scenery = native_tree_context(shape, TreeContext(base, spec.base_cell, header.quality))
-        reader.read_predicted_positions(scenery, 10**5, 1, ONE_THREAD.isa)
+        seen = (header.width, header.height), base, spec.base_cell, header.quality
+        reader.read_predicted_positions(*seen, 10**5, 1, ONE_THREAD.isa)
     else:
         reader.read_positions((header.width, header.height), 10**5)
     if spec.hidden:
