@@ -495,6 +495,11 @@ def read_tile(header: bytes, payload: bytes, threads: int, isa: str, checked: bo
     Without `checked` the checksum of symbols is not compared.
     """
 
+PRIOR: int = ...
+
+def load_prior(header: bytes) -> list[tuple[NDArray[numpy.int64], NDArray[numpy.int64], NDArray[numpy.int64], NDArray[numpy.int64], int, int]]:
+    """The networks of the prior that a header names, as TileModel.networks."""
+
 class MaskTree:
     """
     Which pixels of a tile hold nothing, as the quadtree that the stream codes.

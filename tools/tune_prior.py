@@ -20,7 +20,6 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
-from sgicodec.bitstream.parts.prior import parse_prior
 from sgicodec.bitstream.parts.tile import TileModel
 from sgicodec.decoder.stream import open_stream
 from sgicodec.device import ONE_THREAD, Device
@@ -35,7 +34,7 @@ from sgicodec.model.quantization import FRACTION_BITS, PER_OCTAVE, STEP_ZERO
 from sgicodec.model.spec import ModelSpec
 from sgicodec.model.steps import follows_amplitude
 from tools.autograd.rate import bits_laplace
-from tools.prior_file import write_prior
+from tools.prior_file import parse_prior, write_prior
 
 __all__ = ["Seen", "seen_in", "tune"]
 
