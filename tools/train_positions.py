@@ -18,7 +18,7 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 
-from sgicodec._native import tree_examples
+from sgicodec._native import evaluate_network, tree_examples
 from sgicodec.bitstream.parts.positions import Seeds
 from sgicodec.bitstream.parts.predicted_positions import TreeContext
 from sgicodec.decoder.stream import open_stream
@@ -151,7 +151,9 @@ def _in_integers(first: torch.nn.Linear, last: torch.nn.Linear) -> IntNetwork:
 
 
 def _report(network: IntNetwork, examples: Examples) -> str:
-    odds = torch.from_numpy(network.predict(examples.inputs.numpy()).mean / 256)
+    out = np.empty((len(examples.inputs), 3), np.int64)
+    evaluate_network(*network.arrays, network.shift, network.predicted, examples.inputs.numpy(), 1, "auto", out)
+    odds = torch.from_numpy(out / 256)
     bits = examples.bits(odds, slice(None))
     return f"{len(bits):9,d} nodes  {float(bits.mean()):.4f} bits each"
 

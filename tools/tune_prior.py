@@ -20,19 +20,18 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
-from sgicodec.bitstream.parts.tile import TileModel
+from sgicodec.bitstream.header import Header
+from sgicodec.bitstream.parts.tile import TileModel, quantise
 from sgicodec.decoder.stream import open_stream
 from sgicodec.device import ONE_THREAD, Device
 from sgicodec.encoder.pipeline import encode_picture
 from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.image import read
-from sgicodec.model.context import INPUT_BITS, LEVELS, input_count, nearest_by_pass, output_columns
-from sgicodec.model.native import SeedInputs, quantisers, summarise, write_own_inputs
+from sgicodec.model.context import INPUT_BITS, LEVELS, input_count, nearest_by_pass, output_columns, own_inputs
+from sgicodec.model.native import SeedInputs, summarise
 from sgicodec.model.neighbours import nearest_seeds
 from sgicodec.model.network import INPUT_LIMIT, IntNetwork
 from sgicodec.model.quantization import FRACTION_BITS, PER_OCTAVE, STEP_ZERO
-from sgicodec.model.spec import ModelSpec
-from sgicodec.model.steps import follows_amplitude
 from tools.autograd.rate import bits_laplace
 from tools.prior_file import parse_prior, write_prior
 
@@ -55,37 +54,26 @@ class Seen:
     steps: NDArray[np.float32]
 
 
-def seen_in(spec: ModelSpec, model: TileModel, quality: int) -> list[Seen]:
-    """The training examples of a decoded model, by coding step of a single group each. Raises ValueError for a model
-    that was not decoded.
-    """
-    if model.decoded is None:
-        raise ValueError("the model has not been decoded")
-    decoded, layout = model.decoded, model.layout
-    widths = [input_count(spec, number) for number in range(len(spec.groups))]
-    seeds = SeedInputs(layout, quality, ONE_THREAD)
+def seen_in(header: Header, model: TileModel) -> list[Seen]:
+    """The training examples of a decoded model, by coding step of a single group each."""
+    spec, layout, values = header.spec, model.layout, model.decoded_values
+    groups = {group.name: values[:, group.columns] for group in spec.groups}
+    coded = quantise(header, replace(model, attributes=groups, decoded=None))
+    runs, seeds = iter(coded.runs), SeedInputs(layout, header.quality, ONE_THREAD)
     parts: list[list[Seen]] = [[] for _ in spec.groups]
     for members, neighbours in nearest_by_pass(spec.context, layout, nearest_seeds):
-        inputs = np.empty((len(members), max(widths)), np.int16)
-        seeds.write(members, neighbours, inputs)
-        summary, amplitude = summarise(spec, decoded, members, ONE_THREAD)
-        log_size = layout.log_size[members]
-        level = np.clip(log_size.astype(np.int64), 0, LEVELS - 1)
+        common = np.empty((len(members), input_count(spec, 0)), np.int16)
+        seeds.write(members, neighbours, common)
+        summary = summarise(spec, coded.decoded, members, ONE_THREAD)[0]
+        level = np.clip(layout.log_size[members].astype(np.int64), 0, LEVELS - 1)
         for number, group in enumerate(spec.groups):
-            if number:
-                write_own_inputs(summary, number, widths[0], inputs, ONE_THREAD)
-            own = np.ascontiguousarray(inputs[:, : widths[number]])
-            prediction = model.networks[number].predict(own)
-            known = amplitude if follows_amplitude(spec, group.name) else None
-            step = quantisers(spec, model.plan, group.name, prediction, known, log_size, ONE_THREAD).step
+            own = np.concatenate([common, own_inputs(summary, number, np.concatenate)], axis=1) if number else common
             base = 2.0 ** (
                 (model.plan.base[group.name][output_columns(spec, group.name)][:, level].T - STEP_ZERO) / PER_OCTAVE
             )
-            values, steps = (
-                np.ldexp(v.astype(np.float64), -FRACTION_BITS) / base
-                for v in (decoded[members][:, group.columns], step)
-            )
-            parts[number].append(Seen(own, values.astype(np.float32), steps.astype(np.float32)))
+            steps = np.ldexp(next(runs).steps.astype(np.float64), -FRACTION_BITS) / base
+            decoded = values[members][:, group.columns] / base
+            parts[number].append(Seen(own, decoded.astype(np.float32), steps.astype(np.float32)))
         seeds.summary[members] = summary
     return [
         Seen(*(np.concatenate([getattr(p, f) for p in part]) for f in ("inputs", "values", "steps"))) for part in parts
@@ -158,7 +146,7 @@ def _examples(streams: Path) -> Iterator[list[Seen]]:
     for path in sorted(streams.glob("*.sgi")):
         with open_stream(path) as stream:
             if len(stream.model.layout) >= LEVELS:
-                yield seen_in(stream.header.spec, stream.model, stream.header.quality)
+                yield seen_in(stream.header, stream.model)
 
 
 def main() -> None:

@@ -74,47 +74,6 @@ void summarise(Array<const int64_t, 2> attributes, int channels, int colour, int
   sgi::summarise(view, members.data(), n, threads, summary.data(), amplitude.data());
 }
 
-void own_inputs(Array<const int16_t, 2> summary, int step, int64_t first, int threads, Array<int16_t, 2> out) {
-  const size_t n = summary.shape(0);
-  require(summary.shape(1) == sgi::kSummary && out.shape(0) == n, "summary [n, 7], out [n, inputs]");
-  require(step >= 0 && first >= 0 && first + sgi::own_input_count(step) <= int64_t(out.shape(1)), "out must have room");
-  nb::gil_scoped_release release;
-  sgi::own_inputs(summary.data(), int64_t(n), step, first, threads, out.data(), int64_t(out.shape(1)));
-}
-
-void quantisers(Array<const int64_t, 2> base, Array<const int64_t, 1> columns, int64_t gamma,
-                std::optional<Array<const int32_t, 1>> amplitude, Strided<const int64_t, 2> mean,
-                Strided<const int64_t, 2> scale, Strided<const int64_t, 2> refine, Array<const int8_t, 1> log_size,
-                int threads, Array<int64_t, 2> out_mean, Array<int64_t, 2> out_step, Array<int16_t, 2> out_scale) {
-  const size_t n = log_size.shape(0), size = columns.shape(0), units = mean.shape(1);
-  sgi::require_plan(base, columns, gamma, units);
-  require(has_shape(mean, n, units) && has_shape(scale, n, units) && has_shape(refine, n, 1) &&
-              (!amplitude || amplitude->shape(0) == n),
-          "mean, scale [n, U], refine [n, 1], amplitude [n]");
-  require(mean.stride(0) == scale.stride(0) && mean.stride(0) == refine.stride(0) &&
-              (units < 2 || (mean.stride(1) == 1 && scale.stride(1) == 1)),
-          "mean, scale and refine must be columns of one array");
-  require(has_shape(out_mean, n, size) && has_shape(out_step, n, size) && has_shape(out_scale, n, size),
-          "results must be [n, size]");
-  const sgi::GroupPlan plan{base.data(), columns.data(), amplitude ? amplitude->data() : nullptr, gamma, int(size)};
-  const sgi::PredictionView prediction{mean.data(), scale.data(), refine.data(), mean.stride(0)};
-  nb::gil_scoped_release release;
-  sgi::quantisers(plan, prediction, log_size.data(), int64_t(n), threads, out_mean.data(), out_step.data(),
-                  out_scale.data());
-}
-
-void dequantise(Array<const int32_t, 2> symbols, Array<const int64_t, 2> mean, Array<const int64_t, 2> step,
-                Array<const int64_t, 1> members, int64_t first, int threads, Array<int64_t, 2> decoded) {
-  const size_t n = members.shape(0), size = symbols.shape(1);
-  require(has_shape(symbols, n, size) && has_shape(mean, n, size) && has_shape(step, n, size),
-          "symbols, mean and step must be [n, size]");
-  require(first >= 0 && first + int64_t(size) <= int64_t(decoded.shape(1)), "the group does not fit the attributes");
-  require_members(members, decoded.shape(0));
-  nb::gil_scoped_release release;
-  sgi::dequantise(symbols.data(), mean.data(), step.data(), members.data(), int64_t(n), int64_t(size), first, threads,
-                  decoded.data(), int64_t(decoded.shape(1)));
-}
-
 auto base_view(Array<const double, 3> grid, int cell, std::pair<double, double> start, std::pair<double, double> scale,
                std::pair<int64_t, int64_t> first, std::pair<int64_t, int64_t> size, int threads) {
   const auto [columns, rows] = size;
@@ -203,8 +162,4 @@ void bind_model(nb::module_ &m) {
         "quality"_a, "threads"_a, "out"_a);
   m.def("summarise", &summarise, "attributes"_a, "channels"_a, "colour"_a, "shape"_a, "members"_a, "threads"_a,
         "summary"_a, "amplitude"_a);
-  m.def("own_inputs", &own_inputs, "summary"_a, "step"_a, "first"_a, "threads"_a, "out"_a);
-  m.def("quantisers", &quantisers, "base"_a, "columns"_a, "gamma"_a, "amplitude"_a, "mean"_a, "scale"_a, "refine"_a,
-        "log_size"_a, "threads"_a, "out_mean"_a, "out_step"_a, "out_scale"_a);
-  m.def("dequantise", &dequantise, "symbols"_a, "mean"_a, "step"_a, "members"_a, "first"_a, "threads"_a, "decoded"_a);
 }

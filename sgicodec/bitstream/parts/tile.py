@@ -15,7 +15,7 @@ from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
 from sgicodec.bitstream.header import Header, encode_header
 from sgicodec.bitstream.limits import check_model, hash_counts, max_seeds, network_shapes
 from sgicodec.bitstream.parts.arrays import write_base, write_signs, write_weights
-from sgicodec.bitstream.parts.attributes import AttributeQuantiser, QuantisedAttributes, write_attributes
+from sgicodec.bitstream.parts.attributes import QuantisedAttributes, quantise_attributes, write_attributes
 from sgicodec.bitstream.parts.positions import write_positions
 from sgicodec.bitstream.parts.predicted_positions import TreeContext, write_predicted_positions
 from sgicodec.bitstream.parts.prior import load_prior
@@ -73,9 +73,8 @@ def quantise(header: Header, model: TileModel) -> QuantisedAttributes:
     """The attributes of a model as a stream will hold them. Nothing is coded."""
     if model.attributes is None:
         raise ValueError("the tile has no attributes: it was read, not fitted")
-    size = header.width, header.height
-    known = model.layout, size, model.plan, model.networks, model.hash_tables, header.quality, header.family
-    return AttributeQuantiser(header.spec, *known).quantise(model.attributes)
+    known = model.layout, model.plan, model.networks, model.hash_tables
+    return quantise_attributes(header, *known, model.attributes)
 
 
 def write_tile(
