@@ -27,11 +27,11 @@ from sgicodec.device import ONE_THREAD, Device
 from sgicodec.encoder.pipeline import encode_picture
 from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.image import read
-from sgicodec.model.context import INPUT_BITS, LEVELS, input_count, nearest_by_pass, output_columns, own_inputs
+from sgicodec.model.context import INPUT_BITS, LEVELS, input_count, nearest_by_pass, output_columns
 from sgicodec.model.native import SeedInputs, summarise
-from sgicodec.model.neighbours import nearest_seeds
 from sgicodec.model.network import INPUT_LIMIT, IntNetwork
 from sgicodec.model.quantization import FRACTION_BITS, PER_OCTAVE, STEP_ZERO
+from tools.autograd.context_inputs import own_inputs
 from tools.autograd.rate import bits_laplace
 from tools.prior_file import parse_prior, write_prior
 
@@ -61,13 +61,15 @@ def seen_in(header: Header, model: TileModel) -> list[Seen]:
     coded = quantise(header, replace(model, attributes=groups, decoded=None))
     runs, seeds = iter(coded.runs), SeedInputs(layout, header.quality, ONE_THREAD)
     parts: list[list[Seen]] = [[] for _ in spec.groups]
-    for members, neighbours in nearest_by_pass(spec.context, layout, nearest_seeds):
+    for members, neighbours in nearest_by_pass(spec.context, layout):
         common = np.empty((len(members), input_count(spec, 0)), np.int16)
         seeds.write(members, neighbours, common)
         summary = summarise(spec, coded.decoded, members, ONE_THREAD)[0]
         level = np.clip(layout.log_size[members].astype(np.int64), 0, LEVELS - 1)
         for number, group in enumerate(spec.groups):
-            own = np.concatenate([common, own_inputs(summary, number, np.concatenate)], axis=1) if number else common
+            own = common
+            if number:
+                own = np.concatenate([common, own_inputs(torch.from_numpy(summary), number).numpy()], axis=1)
             base = 2.0 ** (
                 (model.plan.base[group.name][output_columns(spec, group.name)][:, level].T - STEP_ZERO) / PER_OCTAVE
             )

@@ -141,9 +141,37 @@ auto quantise_attributes(const nb::bytes &header, Array<const int32_t, 2> corner
   return std::tuple(as_array<int64_t>(std::move(decoded), std::array{count, width}), std::move(runs));
 }
 
+auto neighbours_by_pass(int ranks, Array<const int32_t, 2> corner, Array<const int8_t, 1> log_size) {
+  require(has_shape(corner, log_size.shape(0), 2), "corner must be [N, 2], log_size [N]");
+  require(ranks >= 0 && ranks <= sgi::kMaxNeighbours, "there are more neighbours than weights for them");
+  sgi::require_cells(log_size);
+  const std::vector<int32_t> corners = copy(corner);
+  const std::vector<int8_t> sizes = copy(log_size);
+  sgi::ContextSpec context;
+  context.neighbours = ranks;
+  sgi::TileSeeds seeds(context, corners, sizes);
+  std::vector<std::vector<int32_t>> tables;
+  {
+    const nb::gil_scoped_release release;
+    tables = sgi::neighbours_by_pass(seeds, ranks, sgi::choose_isa("auto"));
+  }
+  const auto arrays = [&](size_t pass) {
+    const std::array shape{seeds.passes[pass].size()};
+    return std::tuple(as_array<int64_t>(std::move(seeds.passes[pass]), shape),
+                      as_array<int32_t>(std::move(tables[pass]), std::array{shape[0], size_t(ranks)}));
+  };
+  std::vector<decltype(arrays(0))> found;
+  for (size_t pass = 0; pass < tables.size(); ++pass) found.push_back(arrays(pass));
+  return found;
+}
+
 }  // namespace
 
 void bind_attributes(nb::module_ &m) {
+  m.def("neighbours_by_pass", &neighbours_by_pass, "ranks"_a, "corner"_a, "log_size"_a,
+        "The seeds of each pass [n], and their nearest seeds of earlier passes [n, ranks]: nearest first, -1 where "
+        "there\n"
+        "is none.");
   m.def("quantise_attributes", &quantise_attributes, "header"_a, "corner"_a, "log_size"_a, "plan"_a, "networks"_a,
         "signs"_a, "values"_a, "leans"_a, "threads"_a, "isa"_a,
         "What values [N, d_A] decode to, in 2^-24, and in coding order numbers of groups, symbols, tables and steps.");

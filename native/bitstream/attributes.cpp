@@ -244,6 +244,13 @@ TileSeeds::TileSeeds(const ContextSpec &context, const std::vector<int32_t> &cor
   for (size_t i = 0; i < corner.size(); ++i) half_pixels[i] = 2 * corner[i] + (int32_t(1) << log_size[i / 2]);
 }
 
+std::vector<std::vector<int32_t>> neighbours_by_pass(const TileSeeds &seeds, int ranks, Isa isa) {
+  NeighboursByPass neighbours(seeds, ranks, isa, false);
+  std::vector<std::vector<int32_t>> found;
+  for (size_t pass = 0; pass < seeds.passes.size(); ++pass) found.push_back(neighbours.next());
+  return found;
+}
+
 Reading code_attributes(AttributeSymbols &coder, const AttributeModel &model, const TileSeeds &seeds, int threads,
                         int64_t *decoded, std::vector<int32_t> &symbols) {
   size_t members = 0;

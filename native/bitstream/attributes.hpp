@@ -52,6 +52,9 @@ struct TileSeeds {
   std::vector<std::vector<int64_t>> passes;
 };
 
+// Of every pass the nearest seeds of earlier ones [n, ranks], nearest first, -1 where there is none.
+std::vector<std::vector<int32_t>> neighbours_by_pass(const TileSeeds &seeds, int ranks, Isa isa);
+
 // Symbols of a group for the seeds of a pass [n, size], and how they are coded.
 struct AttributeRun {
   size_t number;  // of the group, in coding order

@@ -13,7 +13,6 @@ from sgicodec.bitstream.parts.tile import TileModel
 from sgicodec.model.context import input_count, nearest_by_pass, output_columns
 from sgicodec.model.gaussians import colour_matrix
 from sgicodec.model.native import SeedInputs, summarise
-from sgicodec.model.neighbours import nearest_seeds
 from sgicodec.model.quantization import FRACTION_BITS
 from sgicodec.raster.backend import DEFAULT_CUTOFF
 from sgicodec.rdoq.objective import Objective, joined, with_values
@@ -66,7 +65,7 @@ def descend(
     centre, cell = layout.centre, layout.cell
     decoded = np.zeros((count, spec.attributes), np.int64)
     coded = Symbols.empty(count, spec.attributes, header.family)
-    for members, neighbours in nearest_by_pass(spec.context, layout, nearest_seeds):
+    for members, neighbours in nearest_by_pass(spec.context, layout):
         inputs = np.empty((len(members), input_count(spec, 0)), np.int16)
         seeds.write(members, neighbours, inputs)
         part = Symbols.empty(len(members), spec.attributes, header.family)

@@ -24,7 +24,7 @@ from sgicodec.bitstream.parts.tile_chunk import decode_tile_chunk
 from sgicodec.device import ONE_THREAD, Device
 from sgicodec.errors import StreamError
 from sgicodec.model.base import base_shape
-from sgicodec.model.context import passes
+from sgicodec.model.context import nearest_by_pass
 from sgicodec.model.gaussians import decoder_shapes
 from sgicodec.model.layout import SeedLayout
 from sgicodec.model.quantization import DEAD_ZONE_LIMIT
@@ -104,7 +104,7 @@ def of_many_seeds(spec: ModelSpec) -> tuple[Header, TileModel]:
     corner = 4 * np.stack(np.meshgrid(np.arange(90), np.arange(90)), axis=-1).reshape(-1, 2).astype(np.int32)
     layout = SeedLayout(corner, np.full(len(corner), 2, np.int8))
     layout = layout.take(layout.order())
-    assert max(len(members) for members in passes(spec.context, layout)) > 3 * 512
+    assert max(len(members) for members, _ in nearest_by_pass(spec.context, layout)) > 3 * 512
     values = {group.name: rng.normal(0, 0.3, (len(layout), group.size)) for group in spec.groups}
     header = Header(360, 360, "multi", "uint8", (0.0, 255.0), "default", spec, 60, 1)
     nothing = np.zeros((spec.channels, 0, 0), np.int64)
@@ -127,7 +127,7 @@ def test_decisions_lean_towards_zero_and_stay_near() -> None:
     header, model = of_many_seeds(default_spec(3))
     spec, quantised = header.spec, quantise(header, model)
     runs = iter(quantised.runs)
-    for members in passes(spec.context, model.layout):
+    for members, _ in nearest_by_pass(spec.context, model.layout):
         for group in spec.groups:
             run, values = next(runs), (model.attributes or {})[group.name][members]
             assert run.group == group.name
