@@ -21,17 +21,16 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from sgicodec.bitstream.header import Header
-from sgicodec.bitstream.parts.tile import TileModel, quantise
+from sgicodec.bitstream.parts.attributes import quantise_attributes
+from sgicodec.bitstream.parts.tile import TileModel
 from sgicodec.decoder.stream import open_stream
-from sgicodec.device import ONE_THREAD, Device
+from sgicodec.device import Device
 from sgicodec.encoder.pipeline import encode_picture
 from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.image import read
-from sgicodec.model.context import INPUT_BITS, LEVELS, input_count, nearest_by_pass, output_columns
-from sgicodec.model.native import SeedInputs, summarise
+from sgicodec.model.context import INPUT_BITS, LEVELS, nearest_by_pass, output_columns
 from sgicodec.model.network import INPUT_LIMIT, IntNetwork
 from sgicodec.model.quantization import FRACTION_BITS, PER_OCTAVE, STEP_ZERO
-from tools.autograd.context_inputs import own_inputs
 from tools.autograd.rate import bits_laplace
 from tools.prior_file import parse_prior, write_prior
 
@@ -58,25 +57,16 @@ def seen_in(header: Header, model: TileModel) -> list[Seen]:
     """The training examples of a decoded model, by coding step of a single group each."""
     spec, layout, values = header.spec, model.layout, model.decoded_values
     groups = {group.name: values[:, group.columns] for group in spec.groups}
-    coded = quantise(header, replace(model, attributes=groups, decoded=None))
-    runs, seeds = iter(coded.runs), SeedInputs(layout, header.quality, ONE_THREAD)
+    known = layout, model.plan, model.networks, model.hash_tables
+    runs = iter(quantise_attributes(header, *known, groups, with_inputs=True).runs)
     parts: list[list[Seen]] = [[] for _ in spec.groups]
-    for members, neighbours in nearest_by_pass(spec.context, layout):
-        common = np.empty((len(members), input_count(spec, 0)), np.int16)
-        seeds.write(members, neighbours, common)
-        summary = summarise(spec, coded.decoded, members, ONE_THREAD)[0]
+    for members, _ in nearest_by_pass(spec.context, layout):
         level = np.clip(layout.log_size[members].astype(np.int64), 0, LEVELS - 1)
-        for number, group in enumerate(spec.groups):
-            own = common
-            if number:
-                own = np.concatenate([common, own_inputs(torch.from_numpy(summary), number).numpy()], axis=1)
-            base = 2.0 ** (
-                (model.plan.base[group.name][output_columns(spec, group.name)][:, level].T - STEP_ZERO) / PER_OCTAVE
-            )
-            steps = np.ldexp(next(runs).steps.astype(np.float64), -FRACTION_BITS) / base
-            decoded = values[members][:, group.columns] / base
-            parts[number].append(Seen(own, decoded.astype(np.float32), steps.astype(np.float32)))
-        seeds.summary[members] = summary
+        for part, group in zip(parts, spec.groups, strict=True):
+            run, steps = next(runs), model.plan.base[group.name][output_columns(spec, group.name)][:, level].T
+            base = 2.0 ** ((steps - STEP_ZERO) / PER_OCTAVE)
+            decoded, step = values[members][:, group.columns] / base, np.ldexp(run.steps / base, -FRACTION_BITS)
+            part.append(Seen(run.inputs, decoded.astype(np.float32), step.astype(np.float32)))
     return [
         Seen(*(np.concatenate([getattr(p, f) for p in part]) for f in ("inputs", "values", "steps"))) for part in parts
     ]

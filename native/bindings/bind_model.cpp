@@ -25,11 +25,6 @@ namespace {
 template <class T, int D>
 using Strided = nb::ndarray<T, nb::ndim<D>, nb::device::cpu>;  // rows apart, each contiguous
 
-void require_members(const Array<const int64_t, 1> &members, size_t count) {
-  for (size_t i = 0; i < members.shape(0); ++i)
-    require(members.data()[i] >= 0 && size_t(members.data()[i]) < count, "members must be indices of seeds");
-}
-
 void evaluate_network(Array<const int64_t, 2> w1, Array<const int64_t, 1> b1, Array<const int64_t, 2> w2,
                       Array<const int64_t, 1> b2, int shift, int predicted, Strided<const int16_t, 2> inputs,
                       int threads, const std::string &isa, Array<int64_t, 2> out) {
@@ -41,37 +36,6 @@ void evaluate_network(Array<const int64_t, 2> w1, Array<const int64_t, 1> b1, Ar
   nb::gil_scoped_release release;
   sgi::evaluate_network(weights, inputs.data(), inputs.stride(0), int64_t(n), threads, sgi::choose_isa(isa),
                         out.data());
-}
-
-void seed_inputs(Array<const int32_t, 2> half_pixels, Array<const int8_t, 1> log_size,
-                 Array<const int32_t, 2> neighbours, Array<const int16_t, 2> summary, Array<const int64_t, 1> members,
-                 int quality, int threads, Array<int16_t, 2> out) {
-  const size_t count = log_size.shape(0), ranks = neighbours.shape(1);
-  require(has_shape(half_pixels, count, 2) && has_shape(summary, count, sgi::kSummary) &&
-              neighbours.shape(0) == members.shape(0) && ranks <= sgi::kMaxNeighbours,
-          "half_pixels [N, 2], log_size [N], neighbours [n, at most 6], summary [N, 7]");
-  require(out.shape(0) == members.shape(0) &&
-              out.shape(1) >= size_t(sgi::kLevelInputs + (ranks ? sgi::kNeighbourInputs : 0)),
-          "out must be [n, inputs]");
-  require_members(members, count);
-  for (size_t i = 0; i < neighbours.size(); ++i)
-    require(neighbours.data()[i] < int64_t(count), "neighbours must be indices of seeds");
-  const sgi::SeedsView seeds{half_pixels.data(), log_size.data()};
-  nb::gil_scoped_release release;
-  sgi::seed_inputs(seeds, {neighbours.data(), int(ranks)}, summary.data(), members.data(), int64_t(members.shape(0)),
-                   quality, threads, out.data(), int64_t(out.shape(1)));
-}
-
-void summarise(Array<const int64_t, 2> attributes, int channels, int colour, int shape, Array<const int64_t, 1> members,
-               int threads, Array<int16_t, 2> summary, Array<int32_t, 1> amplitude) {
-  const int64_t width = int64_t(attributes.shape(1)), n = int64_t(members.shape(0));
-  require(channels >= 1 && colour >= 0 && shape >= 0 && colour + channels <= width && shape + 3 <= width,
-          "the groups do not fit the attributes");
-  require(has_shape(summary, n, sgi::kSummary) && int64_t(amplitude.shape(0)) == n, "summary [n, 7], amplitude [n]");
-  require_members(members, attributes.shape(0));
-  const sgi::AttributesView view{attributes.data(), width, channels, colour, shape};
-  nb::gil_scoped_release release;
-  sgi::summarise(view, members.data(), n, threads, summary.data(), amplitude.data());
 }
 
 auto base_view(Array<const double, 3> grid, int cell, std::pair<double, double> start, std::pair<double, double> scale,
@@ -158,8 +122,4 @@ void bind_model(nb::module_ &m) {
         "isa"_a, "means"_a, "covariances"_a, "colours"_a);
   m.def("evaluate_network", &evaluate_network, "w1"_a, "b1"_a, "w2"_a, "b2"_a, "shift"_a, "predicted"_a, "inputs"_a,
         "threads"_a, "isa"_a, "out"_a);
-  m.def("seed_inputs", &seed_inputs, "half_pixels"_a, "log_size"_a, "neighbours"_a, "summary"_a, "members"_a,
-        "quality"_a, "threads"_a, "out"_a);
-  m.def("summarise", &summarise, "attributes"_a, "channels"_a, "colour"_a, "shape"_a, "members"_a, "threads"_a,
-        "summary"_a, "amplitude"_a);
 }

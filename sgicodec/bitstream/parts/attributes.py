@@ -24,7 +24,7 @@ from sgicodec.model.network import IntNetwork
 from sgicodec.model.quantization import DEAD_ZONE, DEAD_ZONE_LIMIT, FRACTION_BITS, PER_OCTAVE, SCALE_ZERO
 from sgicodec.model.steps import StepPlan
 
-__all__ = ["QuantisedAttributes", "quantise_attributes", "write_attributes"]
+__all__ = ["QuantisedAttributes", "SeedCoding", "quantise_attributes", "write_attributes"]
 
 I16 = NDArray[np.int16]
 I32 = NDArray[np.int32]
@@ -33,12 +33,15 @@ F64 = NDArray[np.float64]
 
 
 class SymbolRun(NamedTuple):
-    """Symbols [n, size] of an attribute group, indices of their frequency tables, and their steps in units of 2^-24."""
+    """Symbols [n, size] of an attribute group, indices of their frequency tables, and their steps in units of 2^-24;
+    what MLP_p saw [n, inputs], where that is asked for.
+    """
 
     group: str
     symbols: I32
     tables: I16
     steps: I64
+    inputs: I16
 
 
 @dataclass(frozen=True)
@@ -63,6 +66,27 @@ def write_attributes(writer: SymbolWriter, quantised: QuantisedAttributes) -> No
             writer.code(run.symbols, run.tables)
 
 
+class SeedCoding(NamedTuple):
+    """How the seeds of a tile are coded, as native code takes it."""
+
+    header: bytes
+    corner: I32
+    log_size: NDArray[np.int8]
+    plan: list[tuple[I64, int]]
+    networks: list[tuple[I64, I64, I64, I64, int]]
+
+    @classmethod
+    def of(cls, header: Header, layout: SeedLayout, plan: StepPlan, networks: tuple[IntNetwork, ...]) -> SeedCoding:
+        """That of a layout's seeds under these steps and networks."""
+        return cls(
+            encode_header(header),
+            np.ascontiguousarray(layout.corner),
+            np.ascontiguousarray(layout.log_size),
+            [(np.ascontiguousarray(plan.base[group.name]), plan.gamma[group.name]) for group in header.spec.groups],
+            [(*network.arrays, network.shift) for network in networks],
+        )
+
+
 def quantise_attributes(
     header: Header,
     layout: SeedLayout,
@@ -70,6 +94,7 @@ def quantise_attributes(
     networks: tuple[IntNetwork, ...],
     hash_tables: list[I64],
     values: dict[str, F64],
+    with_inputs: bool = False,
 ) -> QuantisedAttributes:
     """The symbols of the float attributes `values` by group [N, size], and what they decode to.
 
@@ -81,14 +106,11 @@ def quantise_attributes(
     octaves = (SCALE_ZERO - np.arange(SCALES)) / PER_OCTAVE
     signs = [table.reshape(-1) for table in hash_tables]
     decoded, runs = _native.quantise_attributes(
-        encode_header(header),
-        np.ascontiguousarray(layout.corner),
-        np.ascontiguousarray(layout.log_size),
-        [(np.ascontiguousarray(plan.base[name]), plan.gamma[name]) for name in names],
-        [(*network.arrays, network.shift) for network in networks],
+        *SeedCoding.of(header, layout, plan, networks),
         np.concatenate(signs).astype(np.uint8) if signs else np.empty(0, np.uint8),
         np.concatenate([values[name] for name in names], axis=1, dtype=np.float64),
         np.minimum(dead_zone * 2.0**octaves, DEAD_ZONE_LIMIT),
+        with_inputs,
         ONE_THREAD.threads,
         ONE_THREAD.isa,
     )
