@@ -1,14 +1,11 @@
 #include <nanobind/stl/optional.h>
-#include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 
 #include <array>
 #include <optional>
-#include <utility>
 
 #include "bindings/bindings.hpp"
 #include "bindings/checks.hpp"
-#include "model/base_view.hpp"
 #include "model/cell_sums.hpp"
 #include "model/colours.hpp"
 #include "model/neighbours.hpp"
@@ -36,25 +33,6 @@ void evaluate_network(Array<const int64_t, 2> w1, Array<const int64_t, 1> b1, Ar
   nb::gil_scoped_release release;
   sgi::evaluate_network(weights, inputs.data(), inputs.stride(0), int64_t(n), threads, sgi::choose_isa(isa),
                         out.data());
-}
-
-auto base_view(Array<const double, 3> grid, int cell, std::pair<double, double> start, std::pair<double, double> scale,
-               std::pair<int64_t, int64_t> first, std::pair<int64_t, int64_t> size, int threads) {
-  const auto [columns, rows] = size;
-  require(grid.size() > 0 && cell > 0 && columns > 0 && rows > 0 && scale.first > 0 && scale.second > 0,
-          "a grid, a cell, a size and a scale must not be empty");
-  const sgi::BaseGrid view{grid.data(), int64_t(grid.shape(0)), int64_t(grid.shape(1)), int64_t(grid.shape(2))};
-  sgi::BaseView found;
-  {
-    const nb::gil_scoped_release release;
-    found = sgi::base_view(view, cell, {start.first, scale.first, first.first, columns},
-                           {start.second, scale.second, first.second, rows}, threads);
-  }
-  const size_t height = size_t(rows), taps = size_t(found.taps);
-  const std::array<size_t, 3> lines{grid.shape(0), size_t(found.count), size_t(columns)};
-  return nb::make_tuple(sgi::as_array<float>(std::move(found.lines), lines),
-                        sgi::as_array<int32_t>(std::move(found.top), std::array{height}),
-                        sgi::as_array<float>(std::move(found.down), std::array{height, taps}));
 }
 
 auto cell_sums(Array<const float, 3> detail, std::optional<Array<const float, 2>> weights, int root_log, int threads) {
@@ -112,8 +90,6 @@ void seed_gaussians(Array<const double, 2> values, Array<const int32_t, 2> half_
 }  // namespace
 
 void bind_model(nb::module_ &m) {
-  m.def("base_view", &base_view, "grid"_a, "cell"_a, "start"_a, "scale"_a, "first"_a, "size"_a, "threads"_a,
-        "Lines [C, L, w], top [h], down [h, T]: row i is the sum over t of down[i, t] * lines[:, top[i] + t].");
   m.def("cell_sums", &cell_sums, "detail"_a, "weights"_a.none(), "root_log"_a, "threads"_a,
         "Sums over cells of 2 pixels that fill whole roots: values [C, rows, columns], squares and weights.");
   m.def("from_luma_space", &from_luma_space, "channels"_a, "[C, C]; takes samples of luma space to red, green, blue.");
