@@ -1,4 +1,4 @@
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Annotated, overload
 
 import numpy
@@ -6,13 +6,23 @@ import numpy.typing
 from numpy.typing import NDArray
 
 
+def neighbours_by_pass(ranks: int, corner: Annotated[NDArray[numpy.int32], dict(shape=(None, None), order='C', device='cpu', writable=False)], log_size: Annotated[NDArray[numpy.int8], dict(shape=(None,), order='C', device='cpu', writable=False)]) -> list[tuple[Annotated[NDArray[numpy.int64], dict(shape=(None,))], Annotated[NDArray[numpy.int32], dict(shape=(None, None))]]]:
+    """
+    The seeds of each pass [n], and their nearest seeds of earlier passes [n, ranks]: nearest first, -1 where there
+    is none.
+    """
+
+def quantise_attributes(header: bytes, corner: Annotated[NDArray[numpy.int32], dict(shape=(None, None), order='C', device='cpu', writable=False)], log_size: Annotated[NDArray[numpy.int8], dict(shape=(None,), order='C', device='cpu', writable=False)], plan: Sequence[tuple[Annotated[NDArray[numpy.int64], dict(shape=(None, None), order='C', device='cpu', writable=False)], int]], networks: Sequence[tuple[Annotated[NDArray[numpy.int64], dict(shape=(None, None), order='C', device='cpu', writable=False)], Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu', writable=False)], Annotated[NDArray[numpy.int64], dict(shape=(None, None), order='C', device='cpu', writable=False)], Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu', writable=False)], int]], signs: Annotated[NDArray[numpy.uint8], dict(shape=(None,), order='C', device='cpu', writable=False)], values: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)], leans: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], with_inputs: bool, threads: int, isa: str) -> tuple[Annotated[NDArray[numpy.int64], dict(shape=(None, None))], list[tuple[int, Annotated[NDArray[numpy.int32], dict(shape=(None, None))], Annotated[NDArray[numpy.int16], dict(shape=(None, None))], Annotated[NDArray[numpy.int64], dict(shape=(None, None))], Annotated[NDArray[numpy.int16], dict(shape=(None, None))]]]]:
+    """
+    What values [N, d_A] decode to, in 2^-24, and in coding order numbers of groups, symbols, tables, steps and, if
+    they are asked for, inputs of their network.
+    """
+
 def keep_freed_memory() -> None: ...
 
 def resolve_threads(threads: int) -> int: ...
 
 def instruction_set(isa: str) -> str: ...
-
-def fma_peak(threads: int, isa: str) -> float: ...
 
 FRACTION_BITS: int = ...
 
@@ -218,11 +228,6 @@ class ButteraugliReference:
 
     def gradient(self, decoded: Annotated[NDArray[numpy.float32], dict(shape=(None, None, None), order='C', device='cpu', writable=False)], map: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order='C', device='cpu')], out: Annotated[NDArray[numpy.float32], dict(shape=(None, None, None), order='C', device='cpu')]) -> float: ...
 
-def base_view(grid: Annotated[NDArray[numpy.float64], dict(shape=(None, None, None), order='C', device='cpu', writable=False)], cell: int, start: tuple[float, float], scale: tuple[float, float], first: tuple[int, int], size: tuple[int, int], threads: int) -> tuple:
-    """
-    Lines [C, L, w], top [h], down [h, T]: row i is the sum over t of down[i, t] * lines[:, top[i] + t].
-    """
-
 def cell_sums(detail: Annotated[NDArray[numpy.float32], dict(shape=(None, None, None), order='C', device='cpu', writable=False)], weights: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order='C', device='cpu', writable=False)] | None, root_log: int, threads: int) -> tuple:
     """
     Sums over cells of 2 pixels that fill whole roots: values [C, rows, columns], squares and weights.
@@ -236,16 +241,6 @@ def nearest_among(points: Annotated[NDArray[numpy.int32], dict(shape=(None, None
 def seed_gaussians(values: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)], half_pixels: Annotated[NDArray[numpy.int32], dict(shape=(None, None), order='C', device='cpu', writable=False)], log_size: Annotated[NDArray[numpy.int8], dict(shape=(None,), order='C', device='cpu', writable=False)], opponent: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order='C', device='cpu', writable=False)], threads: int, isa: str, means: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order='C', device='cpu')], covariances: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order='C', device='cpu')], colours: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order='C', device='cpu')]) -> None: ...
 
 def evaluate_network(w1: Annotated[NDArray[numpy.int64], dict(shape=(None, None), order='C', device='cpu', writable=False)], b1: Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu', writable=False)], w2: Annotated[NDArray[numpy.int64], dict(shape=(None, None), order='C', device='cpu', writable=False)], b2: Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu', writable=False)], shift: int, predicted: int, inputs: Annotated[NDArray[numpy.int16], dict(shape=(None, None), device='cpu', writable=False)], threads: int, isa: str, out: Annotated[NDArray[numpy.int64], dict(shape=(None, None), order='C', device='cpu')]) -> None: ...
-
-def seed_inputs(half_pixels: Annotated[NDArray[numpy.int32], dict(shape=(None, None), order='C', device='cpu', writable=False)], log_size: Annotated[NDArray[numpy.int8], dict(shape=(None,), order='C', device='cpu', writable=False)], neighbours: Annotated[NDArray[numpy.int32], dict(shape=(None, None), order='C', device='cpu', writable=False)], summary: Annotated[NDArray[numpy.int16], dict(shape=(None, None), order='C', device='cpu', writable=False)], members: Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu', writable=False)], quality: int, threads: int, out: Annotated[NDArray[numpy.int16], dict(shape=(None, None), order='C', device='cpu')]) -> None: ...
-
-def summarise(attributes: Annotated[NDArray[numpy.int64], dict(shape=(None, None), order='C', device='cpu', writable=False)], channels: int, colour: int, shape: int, members: Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu', writable=False)], threads: int, summary: Annotated[NDArray[numpy.int16], dict(shape=(None, None), order='C', device='cpu')], amplitude: Annotated[NDArray[numpy.int32], dict(shape=(None,), order='C', device='cpu')]) -> None: ...
-
-def own_inputs(summary: Annotated[NDArray[numpy.int16], dict(shape=(None, None), order='C', device='cpu', writable=False)], step: int, first: int, threads: int, out: Annotated[NDArray[numpy.int16], dict(shape=(None, None), order='C', device='cpu')]) -> None: ...
-
-def quantisers(base: Annotated[NDArray[numpy.int64], dict(shape=(None, None), order='C', device='cpu', writable=False)], columns: Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu', writable=False)], gamma: int, amplitude: Annotated[NDArray[numpy.int32], dict(shape=(None,), order='C', device='cpu', writable=False)] | None, mean: Annotated[NDArray[numpy.int64], dict(shape=(None, None), device='cpu', writable=False)], scale: Annotated[NDArray[numpy.int64], dict(shape=(None, None), device='cpu', writable=False)], refine: Annotated[NDArray[numpy.int64], dict(shape=(None, None), device='cpu', writable=False)], log_size: Annotated[NDArray[numpy.int8], dict(shape=(None,), order='C', device='cpu', writable=False)], threads: int, out_mean: Annotated[NDArray[numpy.int64], dict(shape=(None, None), order='C', device='cpu')], out_step: Annotated[NDArray[numpy.int64], dict(shape=(None, None), order='C', device='cpu')], out_scale: Annotated[NDArray[numpy.int16], dict(shape=(None, None), order='C', device='cpu')]) -> None: ...
-
-def dequantise(symbols: Annotated[NDArray[numpy.int32], dict(shape=(None, None), order='C', device='cpu', writable=False)], mean: Annotated[NDArray[numpy.int64], dict(shape=(None, None), order='C', device='cpu', writable=False)], step: Annotated[NDArray[numpy.int64], dict(shape=(None, None), order='C', device='cpu', writable=False)], members: Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu', writable=False)], first: int, threads: int, decoded: Annotated[NDArray[numpy.int64], dict(shape=(None, None), order='C', device='cpu')]) -> None: ...
 
 class Rasterizer:
     def __init__(self, isa: str, threads: int, most_pairs: int) -> None: ...
@@ -264,12 +259,11 @@ class Rasterizer:
     @property
     def pairs(self) -> int: ...
 
-class SymbolSearch:
-    def __init__(self, support: Annotated[NDArray[numpy.int32], dict(shape=(None,), order='C', device='cpu', writable=False)], start: Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu', writable=False)], bits: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], first: int, opponent: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order='C', device='cpu', writable=False)], threads: int, isa: str) -> None: ...
-
-    def set_group(self, group: int, w1: Annotated[NDArray[numpy.int64], dict(shape=(None, None), order='C', device='cpu', writable=False)], b1: Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu', writable=False)], w2: Annotated[NDArray[numpy.int64], dict(shape=(None, None), order='C', device='cpu', writable=False)], b2: Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu', writable=False)], shift: int, predicted: int, base: Annotated[NDArray[numpy.int64], dict(shape=(None, None), order='C', device='cpu', writable=False)], columns: Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu', writable=False)], gamma: int) -> None: ...
-
-    def search(self, residual: Annotated[NDArray[numpy.float32], dict(shape=(None, None, None), order='C', device='cpu')], weights: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order='C', device='cpu', writable=False)] | None, inputs: Annotated[NDArray[numpy.int16], dict(shape=(None, None), order='C', device='cpu', writable=False)], values: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)], centre: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order='C', device='cpu', writable=False)], cell: Annotated[NDArray[numpy.float32], dict(shape=(None,), order='C', device='cpu', writable=False)], log_size: Annotated[NDArray[numpy.int8], dict(shape=(None,), order='C', device='cpu', writable=False)], decoded: Annotated[NDArray[numpy.int64], dict(shape=(None, None), order='C', device='cpu')], symbols: Annotated[NDArray[numpy.int32], dict(shape=(None, None), order='C', device='cpu')], scale: Annotated[NDArray[numpy.int16], dict(shape=(None, None), order='C', device='cpu')], change: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu')], lmbda: float, cutoff: float, deep: int, rounds: int) -> None: ...
+def search_seeds(header: bytes, corner: Annotated[NDArray[numpy.int32], dict(shape=(None, None), order='C', device='cpu', writable=False)], log_size: Annotated[NDArray[numpy.int8], dict(shape=(None,), order='C', device='cpu', writable=False)], plan: Sequence[tuple[Annotated[NDArray[numpy.int64], dict(shape=(None, None), order='C', device='cpu', writable=False)], int]], networks: Sequence[tuple[Annotated[NDArray[numpy.int64], dict(shape=(None, None), order='C', device='cpu', writable=False)], Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu', writable=False)], Annotated[NDArray[numpy.int64], dict(shape=(None, None), order='C', device='cpu', writable=False)], Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu', writable=False)], int]], values: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)], support: Annotated[NDArray[numpy.int32], dict(shape=(None,), order='C', device='cpu', writable=False)], start: Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu', writable=False)], bits: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], opponent: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order='C', device='cpu', writable=False)], residual: Annotated[NDArray[numpy.float32], dict(shape=(None, None, None), order='C', device='cpu')], weights: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order='C', device='cpu', writable=False)] | None, lmbda: float, cutoff: float, deep: int, rounds: int, threads: int, isa: str) -> tuple[Annotated[NDArray[numpy.int64], dict(shape=(None, None))], Annotated[NDArray[numpy.int32], dict(shape=(None, None))], Annotated[NDArray[numpy.int16], dict(shape=(None, None))], Annotated[NDArray[numpy.float64], dict(shape=(None,))]]:
+    """
+    Attributes [N, C + 5] in 2^-24, their symbols and scale indices, and the change of cost [N]; `residual` becomes
+    what they leave.
+    """
 
 def prune_gaussians(residual: Annotated[NDArray[numpy.float32], dict(shape=(None, None, None), order='C', device='cpu')], weights: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order='C', device='cpu', writable=False)] | None, means: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order='C', device='cpu', writable=False)], covariances: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order='C', device='cpu', writable=False)], colours: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order='C', device='cpu', writable=False)], price: Annotated[NDArray[numpy.float32], dict(shape=(None,), order='C', device='cpu', writable=False)], cutoff: float, threads: int, isa: str, pruned: Annotated[NDArray[numpy.bool_], dict(shape=(None,), order='C', device='cpu')]) -> None: ...
 
@@ -340,7 +334,7 @@ class SymbolReader:
         Corners [N, 2] and log2 of the sides [N] of at most so many seeds of one pixel.
         """
 
-    def read_predicted_positions(self, scenery: TreeScenery, most: int, threads: int, isa: str) -> tuple[Annotated[NDArray[numpy.int32], dict(shape=(None, None))], Annotated[NDArray[numpy.int8], dict(shape=(None,))]]:
+    def read_predicted_positions(self, size: tuple[int, int], base: Annotated[NDArray[numpy.int64], dict(shape=(None, None, None), order='C', device='cpu', writable=False)], cell: int, quality: int, most: int, threads: int, isa: str) -> tuple[Annotated[NDArray[numpy.int32], dict(shape=(None, None))], Annotated[NDArray[numpy.int8], dict(shape=(None,))]]:
         """The same of a quadtree whose flags are predicted."""
 
     def read_texture(self, size: tuple[int, int], channels: int) -> tuple[tuple[int, list[int], tuple[int, int], tuple[int, int, int], bool, tuple[int, int, int]], Annotated[NDArray[numpy.uint8], dict(shape=(None, None))], Annotated[NDArray[numpy.int8], dict(shape=(None, None))], Annotated[NDArray[numpy.int16], dict(shape=(None, None, None))]] | None:
@@ -369,7 +363,7 @@ class SymbolReader:
     def bits(self) -> float:
         """Information content of all symbols."""
 
-def draw_texture(corner: Annotated[NDArray[numpy.int32], dict(shape=(None, None), order='C', device='cpu', writable=False)], log_size: Annotated[NDArray[numpy.uint8], dict(shape=(None,), order='C', device='cpu', writable=False)], amplitudes: Annotated[NDArray[numpy.float32], dict(shape=(None,), order='C', device='cpu', writable=False)], size: tuple[int, int], start: tuple[float, float], scale: tuple[float, float], first: tuple[int, int], mix: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order='C', device='cpu', writable=False)] | None, threads: int, isa: str, planes: Annotated[NDArray[numpy.float32], dict(shape=(None, None, None), order='C', device='cpu')]) -> None: ...
+def draw_texture(corner: Annotated[NDArray[numpy.int32], dict(shape=(None, None), order='C', device='cpu', writable=False)], log_size: Annotated[NDArray[numpy.uint8], dict(shape=(None,), order='C', device='cpu', writable=False)], amplitudes: Annotated[NDArray[numpy.float32], dict(shape=(None,), order='C', device='cpu', writable=False)], mix: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order='C', device='cpu', writable=False)] | None, threads: int, isa: str, planes: Annotated[NDArray[numpy.float32], dict(shape=(None, None, None), order='C', device='cpu')]) -> None: ...
 
 class TextureModels:
     @overload
@@ -499,6 +493,11 @@ def read_tile(header: bytes, payload: bytes, threads: int, isa: str, checked: bo
     Without `checked` the checksum of symbols is not compared.
     """
 
+PRIOR: int = ...
+
+def load_prior(header: bytes) -> list[tuple[NDArray[numpy.int64], NDArray[numpy.int64], NDArray[numpy.int64], NDArray[numpy.int64], int, int]]:
+    """The networks of the prior that a header names, as TileModel.networks."""
+
 class MaskTree:
     """
     Which pixels of a tile hold nothing, as the quadtree that the stream codes.
@@ -522,46 +521,16 @@ def decode_tile_chunk(header: bytes, payload: bytes) -> tuple[int, bool, list[tu
     samples (place, value); the payload of its model.
     """
 
-def tree_input_count(child: int) -> int: ...
+def flag_frequencies() -> Annotated[NDArray[numpy.int64], dict(shape=(None, None))]:
+    """Frequencies [rows, 2] of the flags of a tree of seeds."""
 
-class TreeNetwork:
-    def __init__(self, w1: Annotated[NDArray[numpy.int64], dict(shape=(None, None), order='C', device='cpu', writable=False)], b1: Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu', writable=False)], w2: Annotated[NDArray[numpy.int64], dict(shape=(None, None), order='C', device='cpu', writable=False)], b2: Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu', writable=False)], shift: int, child: int, isa: str) -> None: ...
+def position_flags(size: tuple[int, int], base: Annotated[NDArray[numpy.int64], dict(shape=(None, None, None), order='C', device='cpu', writable=False)], cell: int, quality: int, corner: Annotated[NDArray[numpy.int32], dict(shape=(None, None), order='C', device='cpu', writable=False)], log_size: Annotated[NDArray[numpy.int8], dict(shape=(None,), order='C', device='cpu', writable=False)], threads: int, isa: str) -> list[tuple[Annotated[NDArray[numpy.uint8], dict(shape=(None,))], Annotated[NDArray[numpy.int16], dict(shape=(None,))]]]:
+    """
+    The flags of the tree of these seeds and the rows of their frequencies, in groups as they are coded.
+    """
 
-class TreeScenery:
-    def __init__(self, width: int, height: int, base: Annotated[NDArray[numpy.int64], dict(shape=(None, None, None), order='C', device='cpu', writable=False)], cell: int, quality: int) -> None: ...
-
-class TreeBatch:
-    """Nodes of one level and child number that are coded together."""
-
-    @property
-    def level(self) -> int: ...
-
-    @property
-    def child(self) -> int: ...
-
-    def __len__(self) -> int: ...
-
-    @property
-    def needed(self) -> Annotated[NDArray[numpy.bool_], dict(shape=(None,))]:
-        """
-        Which [n] must not be empty, being the last of their parent's children where the others are.
-        """
-
-    @property
-    def codes(self) -> Annotated[NDArray[numpy.int64], dict(shape=(None,))]:
-        """Morton codes [n] at their level."""
-
-    @property
-    def inputs(self) -> Annotated[NDArray[numpy.int16], dict(shape=(None, None))]:
-        """What a prediction sees [n, inputs], in 1/64."""
-
-    def rows(self, network: TreeNetwork, shift: int, most: int, threads: int) -> Annotated[NDArray[numpy.int16], dict(shape=(None, None))]:
-        """
-        What the network of this child number says [n, 3]: log-odds in units of 2^(shift - 8), clipped to ±most
-        and moved by `most`.
-        """
-
-    def seed_rows(self, rows: Annotated[NDArray[numpy.int16], dict(shape=(None, None), order='C', device='cpu', writable=False)], split: Annotated[NDArray[numpy.uint8], dict(shape=(None,), order='C', device='cpu', writable=False)], certain: int) -> Annotated[NDArray[numpy.int16], dict(shape=(None,))]:
-        """The row of every seed flag [n]: `certain` where it is needed."""
-
-def walk_tree(scenery: TreeScenery, max_seeds: int, code: Callable[[TreeBatch], tuple[Annotated[NDArray[numpy.uint8], dict(shape=(None,), order='C', device='cpu', writable=False)], Annotated[NDArray[numpy.uint8], dict(shape=(None,), order='C', device='cpu', writable=False)]]]) -> None: ...
+def tree_examples(size: tuple[int, int], base: Annotated[NDArray[numpy.int64], dict(shape=(None, None, None), order='C', device='cpu', writable=False)], cell: int, quality: int, corner: Annotated[NDArray[numpy.int32], dict(shape=(None, None), order='C', device='cpu', writable=False)], log_size: Annotated[NDArray[numpy.int8], dict(shape=(None,), order='C', device='cpu', writable=False)], child: int) -> list[tuple[int, Annotated[NDArray[numpy.int16], dict(shape=(None, None))], Annotated[NDArray[numpy.uint8], dict(shape=(None,))], Annotated[NDArray[numpy.uint8], dict(shape=(None,))], Annotated[NDArray[numpy.uint8], dict(shape=(None,))]]]:
+    """
+    Of each level's nodes of a child number: the level, what a prediction sees [n, inputs] in 1/64, which are
+    split and which carry seeds, and which must not be empty.
+    """

@@ -66,7 +66,7 @@ def make_table(survival: Survival, sigma: mpmath.mpf) -> list[int]:
 
 
 def make_tables(families: tuple[str, ...] = FAMILIES) -> bytes:
-    """The bytes of `tables.bin` (layout: `tables.parse_tables`)."""
+    """The bytes of `tables.bin` (layout: `frequency_tables` in bitstream/entropy/tables.py)."""
     with mpmath.workdps(40):
         tables = [
             make_table(SURVIVAL[family], mpmath.mpf(2) ** (mpmath.mpf(i - 24) / 6))

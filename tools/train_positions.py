@@ -1,4 +1,4 @@
-"""Trains the networks that predict where seeds are (`bitstream.predicted_positions`) on the trees of many streams.
+"""Trains the networks that predict where seeds are (`predicted_positions.py`) on the trees of many streams.
 
     python -m tools.train_positions PICTURES_DIR STREAMS_DIR OUT.bin
 
@@ -19,28 +19,30 @@ import torch
 from numpy.typing import NDArray
 
 from sgicodec import read
-from sgicodec.bitstream.parts.predicted_tree import LEVELS, Batch, TreeContext, input_counts, walk_tree
-from sgicodec.bitstream.parts.seed_tree import Flags, GivenTree, Seeds, TreeShape
+from sgicodec._native import evaluate_network, tree_examples
+from sgicodec.bitstream.parts.positions import Seeds
+from sgicodec.bitstream.parts.predicted_positions import TreeContext
 from sgicodec.decoder.stream import open_stream
 from sgicodec.encoder.pipeline import encode_picture
 from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.model.network import IntNetwork
 from tools.prior_file import SHIFT, write_prior
 
-__all__ = ["Tree", "make_streams", "record", "train"]
+__all__ = ["Tree", "make_streams", "train"]
 
 QUALITIES = (10.0, 90.0)
 MIRRORED = 3
 """In how many ways each tree is seen, chosen at random out of eight or fewer."""
 BATCH, RATE = 2048, 6e-3
+ROOT_LOG, MIN_LOG = 6, 1
+"""log2 of the sides of roots and of the smallest nodes, pixels."""
+CHILDREN = 4
 
 
 @dataclass(frozen=True)
 class Tree:
     """The seeds of one stream and what is seen besides."""
 
-    width: int
-    height: int
     seeds: Seeds
     scenery: TreeContext
 
@@ -48,27 +50,26 @@ class Tree:
     def of(cls, path: Path) -> Tree:
         with open_stream(path) as stream:
             header, model = stream.header, stream.model
-        scenery = TreeContext(model.base, header.spec.base_cell, header.quality)
-        return cls(header.width, header.height, (model.layout.corner, model.layout.log_size), scenery)
+        scenery = TreeContext((header.width, header.height), model.base, header.spec.base_cell, header.quality)
+        return cls((model.layout.corner, model.layout.log_size), scenery)
 
     def mirrored(self, across: bool, down: bool, transposed: bool) -> Tree:
         """The tree of the picture turned so; sides that are mirrored must be multiples of the roots' side."""
-        corner, log_size = self.seeds
+        (corner, log_size), (width, height) = self.seeds, self.scenery.size
         side = np.int32(1) << log_size.astype(np.int32)
-        x = self.width - side - corner[:, 0] if across else corner[:, 0]
-        y = self.height - side - corner[:, 1] if down else corner[:, 1]
+        x = width - side - corner[:, 0] if across else corner[:, 0]
+        y = height - side - corner[:, 1] if down else corner[:, 1]
         base = self.scenery.base[:, :: -1 if down else 1, :: -1 if across else 1]
-        width, height = self.width, self.height
         if transposed:
             x, y, width, height, base = y, x, height, width, base.swapaxes(1, 2)
-        scenery = TreeContext(np.ascontiguousarray(base), self.scenery.cell, self.scenery.quality)
-        return Tree(width, height, (np.stack([x, y], axis=1), log_size), scenery)
+        scenery = self.scenery._replace(size=(width, height), base=np.ascontiguousarray(base))
+        return Tree((np.stack([x, y], axis=1), log_size), scenery)
 
     def variants(self, rng: np.random.Generator, most: int) -> list[Tree]:
         """Some of the ways to turn it."""
-        root = 1 << LEVELS[0]
+        root, (width, height) = 1 << ROOT_LOG, self.scenery.size
         ways = [(bool(i & 1), bool(i & 2), bool(i & 4)) for i in range(8)]
-        ways = [w for w in ways if not (w[0] and self.width % root) and not (w[1] and self.height % root)]
+        ways = [w for w in ways if not (w[0] and width % root) and not (w[1] and height % root)]
         return [self.mirrored(*ways[i]) for i in rng.permutation(len(ways))[:most]]
 
 
@@ -85,20 +86,6 @@ def make_streams(pictures: list[Path], folder: Path, rounds: int, steps: int) ->
             yield path
 
 
-def record(tree: Tree) -> list[tuple[Batch, Flags, Flags]]:
-    """All batches of a tree with their flags."""
-    shape = TreeShape(tree.width, tree.height)
-    truth, batches = GivenTree(shape, tree.seeds), []
-
-    def code(batch: Batch) -> tuple[Flags, Flags]:
-        flags = truth.split(batch.level, batch.codes), truth.seed(batch.level, batch.codes)
-        batches.append((batch, *flags))
-        return flags
-
-    walk_tree(shape, tree.scenery, code, len(tree.seeds[1]))
-    return batches
-
-
 @dataclass(frozen=True)
 class Examples:
     """inputs [n, inputs], flags [n, 2] (split, seed), which of them count [n, 2], weight of each example [n]."""
@@ -109,18 +96,18 @@ class Examples:
     weight: torch.Tensor
 
     @classmethod
-    def of(cls, trees: list[list[tuple[Batch, Flags, Flags]]], child: int) -> Examples:
-        """Those of one child number. A tree weighs by the root of its nodes: large ones say more, but alike."""
+    def of(cls, trees: list[Tree], child: int) -> Examples:
+        """Those of one child number. A tree weighs by the root of these nodes: large ones say more, but alike."""
         inputs, flags, counted, weight = [], [], [], []
-        for batches in trees:
-            share = sum(len(batch) for batch, _, _ in batches) ** -0.5
-            for batch, split, seed in batches:
-                if batch.child == child:
-                    inputs.append(batch.inputs)
-                    flags.append(np.stack([split, seed], axis=1))
-                    known = np.full(split.shape, batch.level > LEVELS[-1]), ~batch.needed | (split == 1)
-                    counted.append(np.stack(known, axis=1))
-                    weight.append(np.full(len(split), share, np.float32))
+        for tree in trees:
+            levels = tree_examples(*tree.scenery, *tree.seeds, child)
+            share = sum(len(seen) for _, seen, *_ in levels) ** -0.5
+            for level, seen, split, seed, needed in levels:
+                inputs.append(seen)
+                flags.append(np.stack([split, seed], axis=1))
+                known = np.full(split.shape, level > MIN_LOG), (needed == 0) | (split == 1)
+                counted.append(np.stack(known, axis=1))
+                weight.append(np.full(len(split), share, np.float32))
         flat = [torch.from_numpy(np.concatenate(parts)) for parts in (inputs, flags, counted, weight)]
         return cls(flat[0], flat[1], flat[2], flat[3] / flat[3].mean())
 
@@ -164,7 +151,9 @@ def _in_integers(first: torch.nn.Linear, last: torch.nn.Linear) -> IntNetwork:
 
 
 def _report(network: IntNetwork, examples: Examples) -> str:
-    odds = torch.from_numpy(network.predict(examples.inputs.numpy()).mean / 256)
+    out = np.empty((len(examples.inputs), 3), np.int64)
+    evaluate_network(*network.arrays, network.shift, network.predicted, examples.inputs.numpy(), 1, "auto", out)
+    odds = torch.from_numpy(out / 256)
     bits = examples.bits(odds, slice(None))
     return f"{len(bits):9,d} nodes  {float(bits.mean()):.4f} bits each"
 
@@ -186,9 +175,9 @@ def main() -> None:
     rng = np.random.default_rng(arguments.seed)
     pictures = sorted(arguments.pictures.glob("*.png"))
     streams = list(make_streams(pictures, arguments.streams, arguments.rounds, arguments.steps))
-    trees = [record(tree) for path in streams for tree in Tree.of(path).variants(rng, MIRRORED)]
+    trees = [tree for path in streams for tree in Tree.of(path).variants(rng, MIRRORED)]
     networks = []
-    for child in range(len(input_counts())):
+    for child in range(CHILDREN):
         examples = Examples.of(trees, child)
         networks.append(train(examples, arguments.hidden, arguments.epochs, arguments.seed))
         print(f"child {child}  {_report(networks[-1], examples)}", flush=True)

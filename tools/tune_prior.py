@@ -21,21 +21,18 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from sgicodec import read
-from sgicodec.bitstream.parts.prior import parse_prior
+from sgicodec.bitstream.header import Header
+from sgicodec.bitstream.parts.attributes import quantise_attributes
 from sgicodec.bitstream.parts.tile import TileModel
 from sgicodec.decoder.stream import open_stream
-from sgicodec.device import ONE_THREAD, Device
+from sgicodec.device import Device
 from sgicodec.encoder.pipeline import encode_picture
 from sgicodec.encoder.settings import EncodeSettings
-from sgicodec.model.context import INPUT_BITS, LEVELS, input_count, nearest_by_pass, output_columns
-from sgicodec.model.native import SeedInputs, quantisers, summarise, write_own_inputs
-from sgicodec.model.neighbours import nearest_seeds
+from sgicodec.model.context import INPUT_BITS, LEVELS, nearest_by_pass, output_columns
 from sgicodec.model.network import INPUT_LIMIT, IntNetwork
 from sgicodec.model.quantization import FRACTION_BITS, PER_OCTAVE, STEP_ZERO
-from sgicodec.model.spec import ModelSpec
-from sgicodec.model.steps import follows_amplitude
 from tools.autograd.rate import bits_laplace
-from tools.prior_file import write_prior
+from tools.prior_file import parse_prior, write_prior
 
 __all__ = ["Seen", "seen_in", "tune"]
 
@@ -56,38 +53,20 @@ class Seen:
     steps: NDArray[np.float32]
 
 
-def seen_in(spec: ModelSpec, model: TileModel, quality: int) -> list[Seen]:
-    """The training examples of a decoded model, by coding step of a single group each. Raises ValueError for a model
-    that was not decoded.
-    """
-    if model.decoded is None:
-        raise ValueError("the model has not been decoded")
-    decoded, layout = model.decoded, model.layout
-    widths = [input_count(spec, number) for number in range(len(spec.groups))]
-    seeds = SeedInputs(layout, quality, ONE_THREAD)
+def seen_in(header: Header, model: TileModel) -> list[Seen]:
+    """The training examples of a decoded model, by coding step of a single group each."""
+    spec, layout, values = header.spec, model.layout, model.decoded_values
+    groups = {group.name: values[:, group.columns] for group in spec.groups}
+    known = layout, model.plan, model.networks, model.hash_tables
+    runs = iter(quantise_attributes(header, *known, groups, with_inputs=True).runs)
     parts: list[list[Seen]] = [[] for _ in spec.groups]
-    for members, neighbours in nearest_by_pass(spec.context, layout, nearest_seeds):
-        inputs = np.empty((len(members), max(widths)), np.int16)
-        seeds.write(members, neighbours, inputs)
-        summary, amplitude = summarise(spec, decoded, members, ONE_THREAD)
-        log_size = layout.log_size[members]
-        level = np.clip(log_size.astype(np.int64), 0, LEVELS - 1)
-        for number, group in enumerate(spec.groups):
-            if number:
-                write_own_inputs(summary, number, widths[0], inputs, ONE_THREAD)
-            own = np.ascontiguousarray(inputs[:, : widths[number]])
-            prediction = model.networks[number].predict(own)
-            known = amplitude if follows_amplitude(spec, group.name) else None
-            step = quantisers(spec, model.plan, group.name, prediction, known, log_size, ONE_THREAD).step
-            base = 2.0 ** (
-                (model.plan.base[group.name][output_columns(spec, group.name)][:, level].T - STEP_ZERO) / PER_OCTAVE
-            )
-            values, steps = (
-                np.ldexp(v.astype(np.float64), -FRACTION_BITS) / base
-                for v in (decoded[members][:, group.columns], step)
-            )
-            parts[number].append(Seen(own, values.astype(np.float32), steps.astype(np.float32)))
-        seeds.summary[members] = summary
+    for members, _ in nearest_by_pass(spec.context, layout):
+        level = np.clip(layout.log_size[members].astype(np.int64), 0, LEVELS - 1)
+        for part, group in zip(parts, spec.groups, strict=True):
+            run, steps = next(runs), model.plan.base[group.name][output_columns(spec, group.name)][:, level].T
+            base = 2.0 ** ((steps - STEP_ZERO) / PER_OCTAVE)
+            decoded, step = values[members][:, group.columns] / base, np.ldexp(run.steps / base, -FRACTION_BITS)
+            part.append(Seen(run.inputs, decoded.astype(np.float32), step.astype(np.float32)))
     return [
         Seen(*(np.concatenate([getattr(p, f) for p in part]) for f in ("inputs", "values", "steps"))) for part in parts
     ]
@@ -159,7 +138,7 @@ def _examples(streams: Path) -> Iterator[list[Seen]]:
     for path in sorted(streams.glob("*.sgi")):
         with open_stream(path) as stream:
             if len(stream.model.layout) >= LEVELS:
-                yield seen_in(stream.header.spec, stream.model, stream.header.quality)
+                yield seen_in(stream.header, stream.model)
 
 
 def main() -> None:

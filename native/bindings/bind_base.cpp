@@ -2,7 +2,6 @@
 
 #include "base/heap.hpp"
 #include "base/isa.hpp"
-#include "base/peak.hpp"
 #include "base/thread_pool.hpp"
 #include "bindings/bindings.hpp"
 
@@ -15,7 +14,4 @@ void bind_base(nb::module_ &m) {
   m.def(
       "instruction_set", [](const std::string &isa) { return std::string(sgi::name_of(sgi::choose_isa(isa))); },
       "isa"_a);
-  m.def(
-      "fma_peak", [](int threads, const std::string &isa) { return sgi::fma_peak(threads, sgi::choose_isa(isa)); },
-      nb::call_guard<nb::gil_scoped_release>(), "threads"_a, "isa"_a);
 }

@@ -1,14 +1,11 @@
 #include <nanobind/stl/optional.h>
-#include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 
 #include <array>
 #include <optional>
-#include <utility>
 
 #include "bindings/bindings.hpp"
 #include "bindings/checks.hpp"
-#include "model/base_view.hpp"
 #include "model/cell_sums.hpp"
 #include "model/colours.hpp"
 #include "model/neighbours.hpp"
@@ -25,11 +22,6 @@ namespace {
 template <class T, int D>
 using Strided = nb::ndarray<T, nb::ndim<D>, nb::device::cpu>;  // rows apart, each contiguous
 
-void require_members(const Array<const int64_t, 1> &members, size_t count) {
-  for (size_t i = 0; i < members.shape(0); ++i)
-    require(members.data()[i] >= 0 && size_t(members.data()[i]) < count, "members must be indices of seeds");
-}
-
 void evaluate_network(Array<const int64_t, 2> w1, Array<const int64_t, 1> b1, Array<const int64_t, 2> w2,
                       Array<const int64_t, 1> b2, int shift, int predicted, Strided<const int16_t, 2> inputs,
                       int threads, const std::string &isa, Array<int64_t, 2> out) {
@@ -41,97 +33,6 @@ void evaluate_network(Array<const int64_t, 2> w1, Array<const int64_t, 1> b1, Ar
   nb::gil_scoped_release release;
   sgi::evaluate_network(weights, inputs.data(), inputs.stride(0), int64_t(n), threads, sgi::choose_isa(isa),
                         out.data());
-}
-
-void seed_inputs(Array<const int32_t, 2> half_pixels, Array<const int8_t, 1> log_size,
-                 Array<const int32_t, 2> neighbours, Array<const int16_t, 2> summary, Array<const int64_t, 1> members,
-                 int quality, int threads, Array<int16_t, 2> out) {
-  const size_t count = log_size.shape(0), ranks = neighbours.shape(1);
-  require(has_shape(half_pixels, count, 2) && has_shape(summary, count, sgi::kSummary) &&
-              neighbours.shape(0) == members.shape(0) && ranks <= sgi::kMaxNeighbours,
-          "half_pixels [N, 2], log_size [N], neighbours [n, at most 6], summary [N, 7]");
-  require(out.shape(0) == members.shape(0) &&
-              out.shape(1) >= size_t(sgi::kLevelInputs + (ranks ? sgi::kNeighbourInputs : 0)),
-          "out must be [n, inputs]");
-  require_members(members, count);
-  for (size_t i = 0; i < neighbours.size(); ++i)
-    require(neighbours.data()[i] < int64_t(count), "neighbours must be indices of seeds");
-  const sgi::SeedsView seeds{half_pixels.data(), log_size.data()};
-  nb::gil_scoped_release release;
-  sgi::seed_inputs(seeds, {neighbours.data(), int(ranks)}, summary.data(), members.data(), int64_t(members.shape(0)),
-                   quality, threads, out.data(), int64_t(out.shape(1)));
-}
-
-void summarise(Array<const int64_t, 2> attributes, int channels, int colour, int shape, Array<const int64_t, 1> members,
-               int threads, Array<int16_t, 2> summary, Array<int32_t, 1> amplitude) {
-  const int64_t width = int64_t(attributes.shape(1)), n = int64_t(members.shape(0));
-  require(channels >= 1 && colour >= 0 && shape >= 0 && colour + channels <= width && shape + 3 <= width,
-          "the groups do not fit the attributes");
-  require(has_shape(summary, n, sgi::kSummary) && int64_t(amplitude.shape(0)) == n, "summary [n, 7], amplitude [n]");
-  require_members(members, attributes.shape(0));
-  const sgi::AttributesView view{attributes.data(), width, channels, colour, shape};
-  nb::gil_scoped_release release;
-  sgi::summarise(view, members.data(), n, threads, summary.data(), amplitude.data());
-}
-
-void own_inputs(Array<const int16_t, 2> summary, int step, int64_t first, int threads, Array<int16_t, 2> out) {
-  const size_t n = summary.shape(0);
-  require(summary.shape(1) == sgi::kSummary && out.shape(0) == n, "summary [n, 7], out [n, inputs]");
-  require(step >= 0 && first >= 0 && first + sgi::own_input_count(step) <= int64_t(out.shape(1)), "out must have room");
-  nb::gil_scoped_release release;
-  sgi::own_inputs(summary.data(), int64_t(n), step, first, threads, out.data(), int64_t(out.shape(1)));
-}
-
-void quantisers(Array<const int64_t, 2> base, Array<const int64_t, 1> columns, int64_t gamma,
-                std::optional<Array<const int32_t, 1>> amplitude, Strided<const int64_t, 2> mean,
-                Strided<const int64_t, 2> scale, Strided<const int64_t, 2> refine, Array<const int8_t, 1> log_size,
-                int threads, Array<int64_t, 2> out_mean, Array<int64_t, 2> out_step, Array<int16_t, 2> out_scale) {
-  const size_t n = log_size.shape(0), size = columns.shape(0), units = mean.shape(1);
-  sgi::require_plan(base, columns, gamma, units);
-  require(has_shape(mean, n, units) && has_shape(scale, n, units) && has_shape(refine, n, 1) &&
-              (!amplitude || amplitude->shape(0) == n),
-          "mean, scale [n, U], refine [n, 1], amplitude [n]");
-  require(mean.stride(0) == scale.stride(0) && mean.stride(0) == refine.stride(0) &&
-              (units < 2 || (mean.stride(1) == 1 && scale.stride(1) == 1)),
-          "mean, scale and refine must be columns of one array");
-  require(has_shape(out_mean, n, size) && has_shape(out_step, n, size) && has_shape(out_scale, n, size),
-          "results must be [n, size]");
-  const sgi::GroupPlan plan{base.data(), columns.data(), amplitude ? amplitude->data() : nullptr, gamma, int(size)};
-  const sgi::PredictionView prediction{mean.data(), scale.data(), refine.data(), mean.stride(0)};
-  nb::gil_scoped_release release;
-  sgi::quantisers(plan, prediction, log_size.data(), int64_t(n), threads, out_mean.data(), out_step.data(),
-                  out_scale.data());
-}
-
-void dequantise(Array<const int32_t, 2> symbols, Array<const int64_t, 2> mean, Array<const int64_t, 2> step,
-                Array<const int64_t, 1> members, int64_t first, int threads, Array<int64_t, 2> decoded) {
-  const size_t n = members.shape(0), size = symbols.shape(1);
-  require(has_shape(symbols, n, size) && has_shape(mean, n, size) && has_shape(step, n, size),
-          "symbols, mean and step must be [n, size]");
-  require(first >= 0 && first + int64_t(size) <= int64_t(decoded.shape(1)), "the group does not fit the attributes");
-  require_members(members, decoded.shape(0));
-  nb::gil_scoped_release release;
-  sgi::dequantise(symbols.data(), mean.data(), step.data(), members.data(), int64_t(n), int64_t(size), first, threads,
-                  decoded.data(), int64_t(decoded.shape(1)));
-}
-
-auto base_view(Array<const double, 3> grid, int cell, std::pair<double, double> start, std::pair<double, double> scale,
-               std::pair<int64_t, int64_t> first, std::pair<int64_t, int64_t> size, int threads) {
-  const auto [columns, rows] = size;
-  require(grid.size() > 0 && cell > 0 && columns > 0 && rows > 0 && scale.first > 0 && scale.second > 0,
-          "a grid, a cell, a size and a scale must not be empty");
-  const sgi::BaseGrid view{grid.data(), int64_t(grid.shape(0)), int64_t(grid.shape(1)), int64_t(grid.shape(2))};
-  sgi::BaseView found;
-  {
-    const nb::gil_scoped_release release;
-    found = sgi::base_view(view, cell, {start.first, scale.first, first.first, columns},
-                           {start.second, scale.second, first.second, rows}, threads);
-  }
-  const size_t height = size_t(rows), taps = size_t(found.taps);
-  const std::array<size_t, 3> lines{grid.shape(0), size_t(found.count), size_t(columns)};
-  return nb::make_tuple(sgi::as_array<float>(std::move(found.lines), lines),
-                        sgi::as_array<int32_t>(std::move(found.top), std::array{height}),
-                        sgi::as_array<float>(std::move(found.down), std::array{height, taps}));
 }
 
 auto cell_sums(Array<const float, 3> detail, std::optional<Array<const float, 2>> weights, int root_log, int threads) {
@@ -189,8 +90,6 @@ void seed_gaussians(Array<const double, 2> values, Array<const int32_t, 2> half_
 }  // namespace
 
 void bind_model(nb::module_ &m) {
-  m.def("base_view", &base_view, "grid"_a, "cell"_a, "start"_a, "scale"_a, "first"_a, "size"_a, "threads"_a,
-        "Lines [C, L, w], top [h], down [h, T]: row i is the sum over t of down[i, t] * lines[:, top[i] + t].");
   m.def("cell_sums", &cell_sums, "detail"_a, "weights"_a.none(), "root_log"_a, "threads"_a,
         "Sums over cells of 2 pixels that fill whole roots: values [C, rows, columns], squares and weights.");
   m.def("from_luma_space", &from_luma_space, "channels"_a, "[C, C]; takes samples of luma space to red, green, blue.");
@@ -199,12 +98,4 @@ void bind_model(nb::module_ &m) {
         "isa"_a, "means"_a, "covariances"_a, "colours"_a);
   m.def("evaluate_network", &evaluate_network, "w1"_a, "b1"_a, "w2"_a, "b2"_a, "shift"_a, "predicted"_a, "inputs"_a,
         "threads"_a, "isa"_a, "out"_a);
-  m.def("seed_inputs", &seed_inputs, "half_pixels"_a, "log_size"_a, "neighbours"_a, "summary"_a, "members"_a,
-        "quality"_a, "threads"_a, "out"_a);
-  m.def("summarise", &summarise, "attributes"_a, "channels"_a, "colour"_a, "shape"_a, "members"_a, "threads"_a,
-        "summary"_a, "amplitude"_a);
-  m.def("own_inputs", &own_inputs, "summary"_a, "step"_a, "first"_a, "threads"_a, "out"_a);
-  m.def("quantisers", &quantisers, "base"_a, "columns"_a, "gamma"_a, "amplitude"_a, "mean"_a, "scale"_a, "refine"_a,
-        "log_size"_a, "threads"_a, "out_mean"_a, "out_step"_a, "out_scale"_a);
-  m.def("dequantise", &dequantise, "symbols"_a, "mean"_a, "step"_a, "members"_a, "first"_a, "threads"_a, "decoded"_a);
 }

@@ -1,8 +1,6 @@
-#include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>
 
 #include <array>
-#include <memory>
 #include <numeric>
 #include <tuple>
 #include <utility>
@@ -10,6 +8,7 @@
 
 #include "bindings/bindings.hpp"
 #include "bindings/textures.hpp"
+#include "bindings/trees.hpp"
 #include "bitstream/arrays.hpp"
 #include "bitstream/frequency_tables.hpp"
 #include "bitstream/header.hpp"
@@ -105,8 +104,9 @@ auto read_positions(SymbolReader &reader, Size size, int64_t most) {
   return arrays_of(sgi::read_positions(reader, size.first, size.second, most));
 }
 
-auto read_predicted_positions(SymbolReader &reader, const std::shared_ptr<sgi::TreeScenery> &scenery, int64_t most,
-                              int threads, const std::string &isa) {
+auto read_predicted_positions(SymbolReader &reader, Size size, const sgi::BaseLayer &base, int64_t cell, int quality,
+                              int64_t most, int threads, const std::string &isa) {
+  const sgi::TreeScenery scenery = sgi::scenery_of(size, base, cell, quality);
   return arrays_of(sgi::read_predicted_positions(reader, scenery, most, threads, sgi::choose_isa(isa)));
 }
 
@@ -133,8 +133,8 @@ void bind_symbol_reader(nb::module_ &m) {
       .def("read_base", &read_base, "channels"_a, "rows"_a, "columns"_a, "Planes [C, rows, columns] of the base layer.")
       .def("read_positions", &read_positions, "size"_a, "most"_a,
            "Corners [N, 2] and log2 of the sides [N] of at most so many seeds of one pixel.")
-      .def("read_predicted_positions", &read_predicted_positions, "scenery"_a, "most"_a, "threads"_a, "isa"_a,
-           "The same of a quadtree whose flags are predicted.")
+      .def("read_predicted_positions", &read_predicted_positions, "size"_a, "base"_a, "cell"_a, "quality"_a, "most"_a,
+           "threads"_a, "isa"_a, "The same of a quadtree whose flags are predicted.")
       .def("read_texture", &read_texture, "size"_a, "channels"_a,
            "Steps, log_size, contrast and symbols of a tile's texture, None for none.")
       .def(

@@ -1,5 +1,4 @@
 #include <nanobind/stl/optional.h>
-#include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 
 #include <optional>
@@ -34,30 +33,21 @@ sgi::Texture texture_of(const Array<const int32_t, 2> &corner, const Array<const
   return {corner.data(), log_size.data(), amplitudes.data(), int64_t(count), int(channels), width, height};
 }
 
-sgi::OutputAxis axis(double start, double scale, int64_t first, size_t count) {
-  constexpr double kFar = 1 << 30;
-  require(scale > 0 && scale < 1e12 && start > -kFar && start < kFar && first > -(int64_t(1) << 40) &&
-              first < (int64_t(1) << 40) && count > 0 && count < (size_t(1) << 30),
-          "what is drawn must be pixels");
-  return {start, scale, first, int64_t(count)};
-}
-
 void draw_texture(Array<const int32_t, 2> corner, Array<const uint8_t, 1> log_size, Array<const float, 1> amplitudes,
-                  std::pair<int64_t, int64_t> size, std::pair<double, double> start, std::pair<double, double> scale,
-                  std::pair<int64_t, int64_t> first, std::optional<Array<const float, 2>> mix, int threads,
-                  const std::string &isa, Array<float, 3> planes) {
-  require(planes.shape(0) >= 1 && planes.shape(0) <= 64, "planes must be [C, h, w], C at most 64");
-  require(!mix || (has_shape(*mix, 3, 3) && planes.shape(0) >= 3), "mix must be [3, 3], for three channels or more");
-  const sgi::Texture texture = texture_of(corner, log_size, amplitudes, planes.shape(0), size.first, size.second);
-  const sgi::OutputAxis x = axis(start.first, scale.first, first.first, planes.shape(2));
-  const sgi::OutputAxis y = axis(start.second, scale.second, first.second, planes.shape(1));
+                  std::optional<Array<const float, 2>> mix, int threads, const std::string &isa,
+                  Array<float, 3> planes) {
+  const auto channels = planes.shape(0), height = planes.shape(1), width = planes.shape(2);
+  require(channels >= 1 && channels <= 64, "planes must be [C, h, w], C at most 64");
+  require(!mix || (has_shape(*mix, 3, 3) && channels >= 3), "mix must be [3, 3], for three channels or more");
+  const sgi::Texture texture = texture_of(corner, log_size, amplitudes, channels, int64_t(width), int64_t(height));
   nb::gil_scoped_release release;
-  sgi::draw_texture(texture, x, y, mix ? mix->data() : nullptr, threads, sgi::choose_isa(isa), planes.data());
+  sgi::draw_texture(texture, {0, 1, 0, int64_t(width)}, {0, 1, 0, int64_t(height)}, mix ? mix->data() : nullptr,
+                    threads, sgi::choose_isa(isa), planes.data());
 }
 
 }  // namespace
 
 void bind_texture(nb::module_ &m) {
-  m.def("draw_texture", &draw_texture, "corner"_a, "log_size"_a, "amplitudes"_a, "size"_a, "start"_a, "scale"_a,
-        "first"_a, "mix"_a.none(), "threads"_a, "isa"_a, "planes"_a);
+  m.def("draw_texture", &draw_texture, "corner"_a, "log_size"_a, "amplitudes"_a, "mix"_a.none(), "threads"_a, "isa"_a,
+        "planes"_a);
 }

@@ -11,6 +11,7 @@
 #include "bindings/bindings.hpp"
 #include "bindings/textures.hpp"
 #include "bitstream/limits.hpp"
+#include "bitstream/shipped_networks.hpp"
 #include "bitstream/tile.hpp"
 
 namespace nb = nanobind;
@@ -95,15 +96,21 @@ auto plan_of(const ReadTile &tile) {
   return plan;
 }
 
-auto networks_of(const ReadTile &tile) {
+auto arrays_of(const sgi::Networks &given) {
   using Weights = Numbers<int64_t>;
   std::vector<std::tuple<Weights, Weights, Weights, Weights, int, int>> networks;
-  for (const auto &net : tile.model.coding.networks) {
+  for (const auto &net : given) {
     const auto inputs = size_t(net->inputs), hidden = size_t(net->hidden), outputs = size_t(net->outputs);
     networks.emplace_back(copy(net->w1, {hidden, inputs}), copy(net->b1, {hidden}), copy(net->w2, {outputs, hidden}),
                           copy(net->b2, {outputs}), net->shift, net->predicted);
   }
   return networks;
+}
+
+auto networks_of(const ReadTile &tile) { return arrays_of(tile.model.coding.networks); }
+
+auto load_prior(const nb::bytes &header) {
+  return arrays_of(sgi::load_prior(sgi::decode_header(bytes_of(header)).spec));
 }
 
 auto texture_of(const ReadTile &tile) {
@@ -230,6 +237,9 @@ void bind_tile(nb::module_ &m) {
   m.def("read_tile", &read_tile, "header"_a, "payload"_a, "threads"_a, "isa"_a, "checked"_a = true,
         "The model of a payload; `header` is the payload of chunk H that the tile would have as a picture of its own.\n"
         "Without `checked` the checksum of symbols is not compared.");
+  m.attr("PRIOR") = sgi::kPrior;
+  m.def("load_prior", &load_prior, "header"_a, nb::rv_policy::move,
+        "The networks of the prior that a header names, as TileModel.networks.");
   nb::class_<sgi::MaskTree>(m, "MaskTree",
                             "Which pixels of a tile hold nothing, as the quadtree that the stream codes.")
       .def(

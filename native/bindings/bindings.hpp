@@ -2,6 +2,7 @@
 #pragma once
 #include <nanobind/nanobind.h>
 
+void bind_attributes(nanobind::module_ &m);
 void bind_base(nanobind::module_ &m);
 void bind_constants(nanobind::module_ &m);
 void bind_decoder(nanobind::module_ &m);

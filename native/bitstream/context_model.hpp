@@ -2,7 +2,7 @@
 #pragma once
 #include <vector>
 
-#include "bitstream/read_attributes.hpp"
+#include "bitstream/attributes.hpp"
 #include "bitstream/shipped_networks.hpp"
 #include "bitstream/symbol_reader.hpp"
 #include "model/step_plan.hpp"
@@ -14,7 +14,7 @@ constexpr int kShiftBits = 5;  // of the unit 2^-shift of weights
 // One network for each coding step: from the stream, or the prior with what the stream changes in it.
 Networks read_networks(SymbolReader &reader, const ModelSpec &spec);
 
-// How attributes are read: `plan` has the steps of each group in coding order. The networks are made ready for an
+// How attributes are coded: `plan` has the steps of each group in coding order. The networks are made ready for an
 // instruction set.
 AttributeModel attribute_model(const ModelSpec &spec, const std::vector<GroupSteps> &plan, const Networks &networks,
                                int quality, int family, Isa isa);

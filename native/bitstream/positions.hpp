@@ -2,8 +2,6 @@
 // positions"), or pixels ("Pixels"). Both throw Error: limit before they take memory for more than `most` seeds,
 // corrupt for what no encoder wrote.
 #pragma once
-#include <memory>
-
 #include "base/isa.hpp"
 #include "bitstream/seed_tree.hpp"
 #include "bitstream/symbol_reader.hpp"
@@ -13,7 +11,6 @@ namespace sgi {
 
 Seeds read_positions(SymbolReader &reader, int64_t width, int64_t height, int64_t most);
 
-Seeds read_predicted_positions(SymbolReader &reader, std::shared_ptr<const TreeScenery> scenery, int64_t most,
-                               int threads, Isa isa);
+Seeds read_predicted_positions(SymbolReader &reader, const TreeScenery &scenery, int64_t most, int threads, Isa isa);
 
 }  // namespace sgi

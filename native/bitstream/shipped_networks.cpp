@@ -11,7 +11,7 @@
 namespace sgi {
 namespace {
 
-constexpr int kIsas = 3, kPrior = 3;
+constexpr int kIsas = 3;
 
 }  // namespace
 

@@ -10,6 +10,8 @@
 
 namespace sgi {
 
+constexpr int kPrior = 3;  // number of the prior
+
 using Networks = std::vector<std::shared_ptr<const IntNetwork>>;
 
 // Of such a file: for each its inputs, hidden units, outputs, predictions and shift, then W1, b1, W2, b2.

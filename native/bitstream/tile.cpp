@@ -11,7 +11,6 @@
 #include "bitstream/limits.hpp"
 #include "bitstream/positions.hpp"
 #include "bitstream/symbol_reader.hpp"
-#include "model/coding_passes.hpp"
 #include "model/hash_grid.hpp"
 
 namespace sgi {
@@ -84,9 +83,8 @@ class TileReader {
     Seeds seeds;
     const int64_t most = max_seeds(spec_, header_.width, header_.height, payload_bytes_, memory_);
     if (spec_.layout == SeedLayoutKind::adaptive) {
-      const auto scenery =
-          std::make_shared<const TreeScenery>(header_.width, header_.height, model_.base.data(), spec_.channels, rows_,
-                                              columns_, spec_.base_cell, header_.quality);
+      const TreeScenery scenery(header_.width, header_.height, model_.base.data(), spec_.channels, rows_, columns_,
+                                spec_.base_cell, header_.quality);
       seeds = read_predicted_positions(reader_, scenery, most, threads_, isa_);
     } else {
       seeds = read_positions(reader_, header_.width, header_.height, most);
@@ -118,20 +116,14 @@ class TileReader {
     const TileCoding &coding = model_.coding;
     AttributeModel model = attribute_model(spec_, coding.plan, coding.networks, header_.quality, header_.family, isa_);
     if (grid_) model.grid = &*grid_, model.grid_signs = coding.signs.data();
-    const auto count = size_t(model_.seeds());
-    std::vector<int32_t> half_pixels(2 * count);
-    for (size_t i = 0; i < 2 * count; ++i)
-      half_pixels[i] = 2 * model_.corner[i] + (int32_t(1) << model_.log_size[i / 2]);
-    const TileSeeds seeds{{half_pixels.data(), model_.log_size.data()},
-                          int64_t(count),
-                          coding_passes(spec_.context, model_.corner, model_.log_size)};
-    model_.decoded.resize(count * size_t(spec_.attributes()));
-    AttributesRead read;
-    SymbolReader::require_sound(sgi::read_attributes(reader_.decoder(), model, zero_centred_tables(), seeds, threads_,
-                                                     model_.decoded.data(), read));
-    reader_.record(read.symbols.data(), int64_t(read.symbols.size()));
+    const TileSeeds seeds(spec_.context, model_.corner, model_.log_size);
+    model_.decoded.resize(size_t(seeds.count * spec_.attributes()));
     const std::vector<SeedGroup> groups = spec_.groups();
-    for (size_t g = 0; g < groups.size(); ++g) reader_.book(part_of(groups[g].name), read.bits[g]);
+    AttributeReader attributes(reader_.decoder(), zero_centred_tables(), groups.size());
+    std::vector<int32_t> symbols;
+    SymbolReader::require_sound(code_attributes(attributes, model, seeds, threads_, model_.decoded.data(), symbols));
+    reader_.record(symbols.data(), int64_t(symbols.size()));
+    for (size_t g = 0; g < groups.size(); ++g) reader_.book(part_of(groups[g].name), attributes.bits[g]);
   }
 
   void read_texture() {

@@ -132,13 +132,12 @@ std::vector<int64_t> TreeLevel::seeds() const {
 }
 
 void TreeBatch::inputs(int16_t *out) const {
-  tree_inputs(of->nodes(), of->slots(), scenery->detail(), head.data(), of->level(), child, members.data(), size(),
-              out);
+  tree_inputs(of.nodes(), of.slots(), scenery.detail(), head.data(), of.level(), child, members.data(), size(), out);
 }
 
 void TreeBatch::rows(const Network &network, int shift, int most, int threads, int16_t *out) const {
-  tree_rows(network, of->nodes(), of->slots(), scenery->detail(), head.data(), of->level(), child, members.data(),
-            size(), shift, most, threads, out);
+  tree_rows(network, of.nodes(), of.slots(), scenery.detail(), head.data(), of.level(), child, members.data(), size(),
+            shift, most, threads, out);
 }
 
 void TreeBatch::seed_rows(const int16_t *rows, const uint8_t *split, int16_t certain, int16_t *out) const {
@@ -146,34 +145,34 @@ void TreeBatch::seed_rows(const int16_t *rows, const uint8_t *split, int16_t cer
     out[i] = split[i] ? rows[3 * i + 2] : needed[i] ? certain : rows[3 * i + 1];
 }
 
-bool walk_tree(std::shared_ptr<const TreeScenery> scenery, int64_t most, const CodeBatch &code,
-               std::vector<LevelSeeds> &found) {
+std::vector<LevelSeeds> walk_tree(const TreeScenery &scenery, int64_t most, const CodeBatch &code) {
   Rates rates;
+  std::vector<LevelSeeds> found;
   int64_t seeds = 0;
-  auto level = std::make_shared<TreeLevel>(*scenery);
+  TreeLevel level(scenery);
   most = std::min(most, kMaxParents);
   for (int log_size = kRootLevel; log_size >= kMinLevel; --log_size) {
     if (log_size < kRootLevel) {
-      level = std::make_shared<TreeLevel>(*level, *scenery);
-      require_few(std::max(level->parents(), seeds), most, " at level " + std::to_string(log_size + 1));
+      level = TreeLevel(level, scenery);
+      require_few(std::max(level.parents(), seeds), most, " at level " + std::to_string(log_size + 1));
     }
     rates.next_level();
     for (const int child : kChildren) {
-      auto [members, needed] = level->batch(child);
+      auto [members, needed] = level.batch(child);
       TreeBatch batch{scenery, level, child, std::move(members), std::move(needed), {}};
       batch.head[size_t(log_size - kMinLevel)] = kOne;
-      batch.head[kHead - 5] = int16_t(scenery->quality());
+      batch.head[kHead - 5] = int16_t(scenery.quality());
       rates.write(batch.head.data() + kHead - 4);
       std::vector<uint8_t> split(size_t(batch.size())), seed(size_t(batch.size()));
-      if (!code(batch, split.data(), seed.data())) return false;
-      level->take(batch.members, child, split.data(), seed.data());
+      code(batch, split.data(), seed.data());
+      level.take(batch.members, child, split.data(), seed.data());
       rates.count(split, seed, log_size > kMinLevel);
     }
-    found.emplace_back(log_size, level->seeds());
+    found.emplace_back(log_size, level.seeds());
     seeds += int64_t(found.back().second.size());
   }
   require_few(seeds, most, "");
-  return true;
+  return found;
 }
 
 }  // namespace sgi

@@ -4,7 +4,6 @@
 #include <array>
 #include <cstdint>
 #include <functional>
-#include <memory>
 #include <utility>
 #include <vector>
 
@@ -62,16 +61,17 @@ class TreeLevel {
   std::vector<int16_t> flags_;              // [P + 1, 4, 2]
 };
 
-// Nodes of one level and child number that are coded together. It may outlive the walk.
+// Nodes of one level and child number that are coded together.
 struct TreeBatch {
-  std::shared_ptr<const TreeScenery> scenery;
-  std::shared_ptr<const TreeLevel> of;
+  const TreeScenery &scenery;
+  const TreeLevel &of;
   int child;
   std::vector<int32_t> members;  // [n] parents
   std::vector<uint8_t> needed;   // [n] which must not be empty, being the last child where the others are
   std::array<int16_t, kHead> head;
 
   int64_t size() const { return int64_t(members.size()); }
+  // What a prediction sees [n, inputs].
   void inputs(int16_t *out) const;
   // As tree_rows; the network is that of the child number.
   void rows(const Network &network, int shift, int most, int threads, int16_t *out) const;
@@ -79,12 +79,10 @@ struct TreeBatch {
   void seed_rows(const int16_t *rows, const uint8_t *split, int16_t certain, int16_t *out) const;
 };
 
-// Says of each node of a batch whether it is split and whether it carries a seed; false ends the walk.
-using CodeBatch = std::function<bool(const TreeBatch &batch, uint8_t *split, uint8_t *seed)>;
+// Says of each node of a batch whether it is split and whether it carries a seed.
+using CodeBatch = std::function<void(const TreeBatch &batch, uint8_t *split, uint8_t *seed)>;
 
-// Goes through a tree; false if `code` ended it. Throws Error (limit) before it takes memory for more than `most`
-// seeds.
-bool walk_tree(std::shared_ptr<const TreeScenery> scenery, int64_t most, const CodeBatch &code,
-               std::vector<LevelSeeds> &found);
+// Goes through a tree and returns its seeds. Throws Error (limit) before it takes memory for more than `most` of them.
+std::vector<LevelSeeds> walk_tree(const TreeScenery &scenery, int64_t most, const CodeBatch &code);
 
 }  // namespace sgi

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <numeric>
+#include <optional>
 #include <vector>
 
 #include "base/thread_pool.hpp"
@@ -27,15 +29,7 @@ bool fits(const int64_t *weights, const int64_t *bias, int units, int inputs, in
   return true;
 }
 
-// units x inputs, row by row, as inputs x `width` with zeros behind the units.
-std::vector<double> transposed(const int64_t *from, int units, int inputs, int width) {
-  std::vector<double> to(size_t(inputs) * width);
-  for (int u = 0; u < units; ++u)
-    for (int i = 0; i < inputs; ++i) to[size_t(i) * width + u] = double(from[size_t(u) * inputs + i]);
-  return to;
-}
-
-// The same with two inputs in each number.
+// units x inputs, row by row, as pairs of inputs x `width` with zeros behind the units: two inputs in each number.
 std::vector<int32_t> paired(const int64_t *from, int units, int inputs, int width) {
   std::vector<int32_t> to(size_t(inputs + 1) / 2 * width);
   for (int u = 0; u < units; ++u)
@@ -46,73 +40,80 @@ std::vector<int32_t> paired(const int64_t *from, int units, int inputs, int widt
   return to;
 }
 
-template <class T>
-std::vector<T> biases(const int64_t *from, int units, int width) {
-  std::vector<T> to(width);
-  for (int u = 0; u < units; ++u) to[u] = T(from[u] * (int64_t(1) << kInputBits));
+std::vector<int32_t> biases(const int64_t *from, int units, int width) {
+  std::vector<int32_t> to(width);
+  for (int u = 0; u < units; ++u) to[u] = int32_t(from[u] * (1 << kInputBits));
   return to;
 }
+
+// A network in integers of 64 bits.
+struct WideNetwork {
+  std::vector<int64_t> w1, b1, w2, b2;  // as NetworkWeights have them
+  int inputs, predicted, shift;
+
+  explicit WideNetwork(const NetworkWeights &w)
+      : w1(w.w1, w.w1 + int64_t(w.hidden) * w.inputs), b1(w.b1, w.b1 + w.hidden),
+        w2(w.w2, w.w2 + int64_t(w.outputs) * w.hidden), b2(w.b2, w.b2 + w.outputs), inputs(w.inputs),
+        predicted(w.predicted), shift(w.shift) {}
+
+  template <class T>
+  static int64_t sum(const T *values, size_t count, const std::vector<int64_t> &weights,
+                     const std::vector<int64_t> &bias, size_t unit) {
+    return std::inner_product(values, values + count, weights.data() + unit * count, bias[unit] * (1 << kInputBits));
+  }
+
+  void evaluate(const int16_t *row, int64_t *out) const {
+    std::vector<int> x(row, row + inputs);
+    for (int &value : x) value = as_input(value);
+    std::vector<int64_t> hidden(b1.size());
+    for (size_t h = 0; h < hidden.size(); ++h)
+      hidden[h] = std::clamp<int64_t>(sum(x.data(), x.size(), w1, b1, h) >> shift, 0, kHiddenLimit);
+    for (size_t o = 0; o < b2.size(); ++o)
+      out[o] = as_output(sum(hidden.data(), hidden.size(), w2, b2, o), int(o) < predicted, shift);
+  }
+};
 
 }  // namespace
 
 struct Network::Packed {
   const NetworkKernel &kernel;
-  bool is_narrow;
-  std::vector<int32_t> narrow_w1, narrow_b1, narrow_w2, narrow_b2;
-  std::vector<double> wide_w1, wide_b1, wide_w2, wide_b2;
+  int outputs;
+  std::optional<WideNetwork> wide;  // where the narrow one does not hold it
+  std::vector<int32_t> w1, b1, w2, b2;
   NarrowNetwork narrow;
-  WideNetwork wide;
 
-  void pack_narrow(const NetworkWeights &w, int wide_hidden, int wide_outputs) {
-    narrow_w1 = paired(w.w1, w.hidden, w.inputs, wide_hidden);
-    narrow_w2 = paired(w.w2, w.outputs, w.hidden, wide_outputs);
-    narrow_w2.resize(size_t(wide_hidden) / 2 * wide_outputs);
-    narrow_b1 = biases<int32_t>(w.b1, w.hidden, wide_hidden);
-    narrow_b2 = biases<int32_t>(w.b2, w.outputs, wide_outputs);
+  Packed(const NetworkWeights &w, Isa isa) : kernel(kernel_for<NetworkKernel>(isa)), outputs(w.outputs) {
+    if (!fits(w.w1, w.b1, w.hidden, w.inputs, kInputLimit) || !fits(w.w2, w.b2, w.outputs, w.hidden, kHiddenLimit)) {
+      wide.emplace(w);
+      return;
+    }
+    const int wide_hidden = padded(w.hidden), wide_outputs = padded(w.outputs);
+    w1 = paired(w.w1, w.hidden, w.inputs, wide_hidden);
+    w2 = paired(w.w2, w.outputs, w.hidden, wide_outputs);
+    w2.resize(size_t(wide_hidden) / 2 * wide_outputs);
+    b1 = biases(w.b1, w.hidden, wide_hidden);
+    b2 = biases(w.b2, w.outputs, wide_outputs);
     for (int o = 0; o < w.outputs; ++o)
-      for (int h = 0; h < w.hidden; ++h) narrow_b2[o] += int32_t(w.w2[size_t(o) * w.hidden + h] * kHiddenMiddle);
-    narrow = {narrow_w1.data(), narrow_b1.data(), narrow_w2.data(), narrow_b2.data(), w.inputs,
-              w.outputs,        w.predicted,      w.shift,          wide_hidden,      wide_outputs};
-  }
-
-  void pack_wide(const NetworkWeights &w, int wide_hidden, int wide_outputs) {
-    wide_w1 = transposed(w.w1, w.hidden, w.inputs, wide_hidden);
-    wide_w2 = transposed(w.w2, w.outputs, w.hidden, wide_outputs);
-    wide_w2.resize(size_t(wide_hidden) * wide_outputs);
-    wide_b1 = biases<double>(w.b1, w.hidden, wide_hidden);
-    wide_b2 = biases<double>(w.b2, w.outputs, wide_outputs);
-    wide = {wide_w1.data(), wide_b1.data(), wide_w2.data(), wide_b2.data(), w.inputs,
-            w.outputs,      w.predicted,    w.shift,        wide_hidden,    wide_outputs};
+      for (int h = 0; h < w.hidden; ++h) b2[o] += int32_t(w.w2[size_t(o) * w.hidden + h] * kHiddenMiddle);
+    narrow = {w1.data(), b1.data(),   w2.data(), b2.data(),   w.inputs,
+              w.outputs, w.predicted, w.shift,   wide_hidden, wide_outputs};
   }
 };
 
-Network::Network(const NetworkWeights &w, Isa isa)
-    : packed_(new Packed{kernel_for<NetworkKernel>(isa), false, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}}) {
-  const int wide_hidden = padded(w.hidden), wide_outputs = padded(w.outputs);
-  packed_->is_narrow =
-      fits(w.w1, w.b1, w.hidden, w.inputs, kInputLimit) && fits(w.w2, w.b2, w.outputs, w.hidden, kHiddenLimit);
-  if (packed_->is_narrow)
-    packed_->pack_narrow(w, wide_hidden, wide_outputs);
-  else
-    packed_->pack_wide(w, wide_hidden, wide_outputs);
-}
+Network::Network(const NetworkWeights &w, Isa isa) : packed_(new Packed(w, isa)) {}
 
 Network::~Network() = default;
 
-int Network::outputs() const { return packed_->is_narrow ? packed_->narrow.outputs : packed_->wide.outputs; }
+int Network::outputs() const { return packed_->outputs; }
 
 int64_t Network::scratch_size() const {
-  const auto size = [](const auto &net) {
-    return kNetworkRows * int64_t(net.inputs + 1 + net.wide_hidden + net.wide_outputs);
-  };
-  return packed_->is_narrow ? size(packed_->narrow) : size(packed_->wide);
+  const NarrowNetwork &net = packed_->narrow;
+  return packed_->wide ? 0 : kNetworkRows * int64_t(net.inputs + 1 + net.wide_hidden + net.wide_outputs) / 2;
 }
 
 void Network::evaluate(const int16_t *rows, int64_t stride, int64_t n, double *scratch, int64_t *out) const {
-  if (packed_->is_narrow)
-    packed_->kernel.narrow(packed_->narrow, rows, stride, n, scratch, out);
-  else
-    packed_->kernel.wide(packed_->wide, rows, stride, n, scratch, out);
+  if (!packed_->wide) return packed_->kernel.evaluate(packed_->narrow, rows, stride, n, scratch, out);
+  for (int64_t i = 0; i < n; ++i) packed_->wide->evaluate(rows + i * stride, out + i * packed_->outputs);
 }
 
 void evaluate_network(const NetworkWeights &w, const int16_t *rows, int64_t stride, int64_t n, int threads, Isa isa,

@@ -1,7 +1,6 @@
 // MLP_p in integers (docs/format.md, "MLP_p"): y = W2 clip((W1 x + 64 b1) >> shift) + 64 b2.
 //
-// Sums run as float64 products of integers; the caller bounds the weights so that every partial sum stays below 2^53
-// and is exact in any order, on any instruction set, with or without fused multiply-adds.
+// The caller bounds the weights so that every partial sum stays below 2^53.
 #pragma once
 #include <cstdint>
 #include <memory>

@@ -19,6 +19,16 @@ double SymbolBits::of(int64_t symbol, int scale) const {
   return bits[start[table] + 2 * support[table] + 1] + std::min(exponent + 1, 20) + exponent + 1;
 }
 
+CodingModel::CodingModel(const AttributeModel &coding, const SymbolBits &tables_, const float *opponent_)
+    : channels(coding.channels), tables(tables_), opponent(opponent_) {
+  for (int g = 0; g < kGroups; ++g) {
+    const AttributeStep &step = coding.steps[size_t(g)];
+    const AttributeGroup &group = step.groups[0];
+    networks[g] = step.network.get(), inputs[g] = step.inputs;
+    plans[g] = {group.base.data(), group.columns.data(), nullptr, group.gamma, group.size()};
+  }
+}
+
 int64_t ReconstructionGrid::nearest(int j, double value) const {
   const double position = std::rint((value / kUnit - double(mean[j])) / double(step[j]));
   return static_cast<int64_t>(std::min(std::max(position, -kFarthest), kFarthest));

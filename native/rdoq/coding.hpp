@@ -4,8 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "model/context.hpp"
-#include "model/network.hpp"
+#include "bitstream/attributes.hpp"
 
 namespace sgi {
 
@@ -25,6 +24,9 @@ struct SymbolBits {
 };
 
 struct CodingModel {
+  // coding: of plain seeds; opponent [C, C].
+  CodingModel(const AttributeModel &coding, const SymbolBits &tables, const float *opponent);
+
   int channels;
   const Network *networks[kGroups];
   GroupPlan plans[kGroups];  // without amplitudes

@@ -1,6 +1,7 @@
 #include "rdoq/coordinate_descent.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <numeric>
 #include <vector>
@@ -50,33 +51,74 @@ double loss_without(const WindowKernel &kernel, const Residual &residual, const 
   return change;
 }
 
-}  // namespace
+// The seeds of a pass, and what is chosen of them.
+struct Pass {
+  std::vector<int16_t> inputs;  // [n, inputs] of the first network
+  std::vector<double> values;
+  std::vector<float> centre, cell;
+  std::vector<int8_t> log_size;
+  std::vector<Coded> found;
+  std::vector<double> change;
+};
 
-void search_seeds(const CodingModel &model, const SearchSettings &settings, const Residual &residual,
-                  const SeedArrays &seeds, const SymbolArrays &out, int threads, Isa isa) {
-  const WindowKernel &kernel = kernel_for<WindowKernel>(isa);
-  const int d = model.attributes();
+void search_pass(const CodingModel &model, const SearchSettings &settings, const Residual &residual, Pass &pass,
+                 int threads, const WindowKernel &kernel) {
+  const auto count = int64_t(pass.cell.size());
+  const int d = model.attributes(), stride = model.inputs[kColour];
   const auto seed = [&](int64_t i) {
-    return Seed{seeds.inputs + i * seeds.stride, seeds.values + i * d, seeds.centre + 2 * i, seeds.cell[i],
-                seeds.log_size[i]};
+    return Seed{&pass.inputs[i * stride], &pass.values[i * d], &pass.centre[2 * i], pass.cell[i], pass.log_size[i]};
   };
-  std::vector<Window> windows(seeds.count);
-  for_each_chunk(seeds.count, threads, [&](int64_t begin, int64_t end) {
+  std::vector<Window> windows(count);
+  for_each_chunk(count, threads, [&](int64_t begin, int64_t end) {
     SeedSearch search(model, settings, kernel);
     for (int64_t i = begin; i < end; ++i) {
       windows[i] = search.reserve(seed(i), residual);
       if (windows[i].empty()) windows[i] = kCorner;
     }
   });
-  for_each_window(windows, scattered(seeds.count), residual, threads, [&]() -> Worker {
+  for_each_window(windows, scattered(count), residual, threads, [&]() -> Worker {
     return [&, search = std::make_shared<SeedSearch>(model, settings, kernel)](int64_t i) {
-      Coded best;
-      out.change[i] = search->search(seed(i), windows[i], residual, best);
-      std::copy_n(best.decoded, d, out.decoded + i * d);
-      std::copy_n(best.symbols, d, out.symbols + i * d);
-      std::copy_n(best.scale, d, out.scale + i * d);
+      pass.change[i] = search->search(seed(i), windows[i], residual, pass.found[i]);
     };
   });
+}
+
+}  // namespace
+
+void search_seeds(const AttributeModel &coding, const TileSeeds &seeds, const CodingModel &model,
+                  const SearchSettings &settings, const Residual &residual, const double *values,
+                  const SymbolArrays &out, int threads) {
+  const WindowKernel &kernel = kernel_for<WindowKernel>(coding.isa);
+  const int64_t d = model.attributes(), stride = model.inputs[kColour];
+  const std::vector<std::vector<int32_t>> neighbours = neighbours_by_pass(seeds, coding.ranks, coding.isa);
+  std::vector<int16_t> summary(size_t(seeds.count) * kSummary), own;  // of seeds of earlier passes, zeros for others
+  std::vector<int32_t> amplitude;
+  for (size_t p = 0; p < neighbours.size(); ++p) {
+    const std::vector<int64_t> &members = seeds.passes[p];
+    const auto n = members.size();
+    Pass pass{std::vector<int16_t>(n * stride), {}, {}, {}, {}, std::vector<Coded>(n), std::vector<double>(n)};
+    for (const int64_t i : members) {
+      pass.values.insert(pass.values.end(), values + i * d, values + (i + 1) * d);
+      pass.log_size.push_back(seeds.view.log_size[i]);
+      pass.cell.push_back(std::ldexp(1.0f, pass.log_size.back()));
+      for (int axis = 0; axis < 2; ++axis) pass.centre.push_back(0.5f * float(seeds.half_pixels[2 * i + axis]));
+    }
+    seed_inputs(seeds.view, {neighbours[p].data(), coding.ranks}, summary.data(), members.data(), int64_t(n),
+                coding.quality, threads, pass.inputs.data(), stride);
+    search_pass(model, settings, residual, pass, threads, kernel);
+    for (size_t i = 0; i < n; ++i) {
+      const int64_t at = members[i] * d;
+      std::copy_n(pass.found[i].decoded, d, out.decoded + at);
+      std::copy_n(pass.found[i].symbols, d, out.symbols + at);
+      std::copy_n(pass.found[i].scale, d, out.scale + at);
+      out.change[members[i]] = pass.change[i];
+    }
+    own.resize(n * kSummary), amplitude.resize(n);
+    summarise({out.decoded, d, model.channels, coding.colour, coding.shape}, members.data(), int64_t(n), threads,
+              own.data(), amplitude.data());
+    for (size_t i = 0; i < n; ++i)
+      std::copy_n(own.data() + i * kSummary, kSummary, summary.data() + size_t(members[i]) * kSummary);
+  }
 }
 
 void prune_gaussians(const Residual &residual, const Prunable &gaussians, float cutoff, int threads, Isa isa,

@@ -3,31 +3,24 @@
 #pragma once
 #include <cstdint>
 
+#include "bitstream/attributes.hpp"
 #include "rdoq/seed_search.hpp"
 
 namespace sgi {
 
-// n seeds of one coding group, d = C + 5 attributes each.
-struct SeedArrays {
-  int64_t count;
-  const int16_t *inputs;  // [n, stride] of the first network
-  int64_t stride;
-  const double *values;    // [n, d] as rendered now
-  const float *centre;     // [n, 2] pixels
-  const float *cell;       // [n] pixels
-  const int8_t *log_size;  // [n]
-};
-
+// What is chosen of N seeds, d = C + 5 attributes each.
 struct SymbolArrays {
-  int64_t *decoded;  // [n, d] units of 2^-24
-  int32_t *symbols;  // [n, d]
-  int16_t *scale;    // [n, d] scale indices of their tables
-  double *change;    // [n] of squared error, plus the price of the seed's bits
+  int64_t *decoded;  // [N, d] units of 2^-24
+  int32_t *symbols;  // [N, d]
+  int16_t *scale;    // [N, d] scale indices of their tables
+  double *change;    // [N] of squared error, plus the price of the seed's bits
 };
 
-// Searches every seed, one after the other in an order of its own; no result depends on the threads.
-void search_seeds(const CodingModel &model, const SearchSettings &settings, const Residual &residual,
-                  const SeedArrays &seeds, const SymbolArrays &out, int threads, Isa isa);
+// Searches all seeds pass by pass, each with the others as they are by then; within a pass in an order of its own. No
+// result depends on the threads. coding: that of plain seeds, which `model` prices; values [N, d]: as rendered now.
+void search_seeds(const AttributeModel &coding, const TileSeeds &seeds, const CodingModel &model,
+                  const SearchSettings &settings, const Residual &residual, const double *values,
+                  const SymbolArrays &out, int threads);
 
 // n Gaussians that may be left out.
 struct Prunable {

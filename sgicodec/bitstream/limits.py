@@ -16,20 +16,20 @@ from sgicodec.model.context import HashGrid, input_count, output_count
 from sgicodec.model.layout import SeedLayout
 from sgicodec.model.spec import ModelSpec
 
-__all__ = ["check_model", "check_texture", "hash_counts", "max_seeds", "network_shapes"]
+__all__ = ["check_model", "check_texture", "hash_counts", "max_seeds", "network_shapes", "spec_fields"]
 
 
 def check_model(spec: ModelSpec, width: int, height: int) -> None:
     """Raises LimitError if the products of the header's fields are beyond what a tile may hold."""
-    _native.check_model(_fields(spec, width, height))
+    _native.check_model(spec_fields(spec, width, height))
 
 
 def max_seeds(spec: ModelSpec, width: int, height: int, payload_bytes: int) -> int:
     """The most seeds that a tile may have, given the bytes of its payload."""
-    return _native.max_seeds(_fields(spec, width, height), payload_bytes)
+    return _native.max_seeds(spec_fields(spec, width, height), payload_bytes)
 
 
-def _fields(spec: ModelSpec, width: int, height: int) -> bytes:
+def spec_fields(spec: ModelSpec, width: int, height: int) -> bytes:
     """The header of a picture of so many pixels; of its samples nothing counts but how many channels they have."""
     plain = replace(spec, luma_space=False)
     return encode_header(Header(width, height, "multi", "uint8", (0.0, 255.0), "default", plain, 0, 0))

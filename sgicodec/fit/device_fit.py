@@ -12,11 +12,12 @@ from sgicodec.cuda.tiles import MAX_CHANNELS
 from sgicodec.fit.adam import Adam
 from sgicodec.fit.device_seeds import energy_of, moved, residual_sums
 from sgicodec.fit.device_step import DeviceStep, StepKind
-from sgicodec.fit.fused_step import REFRESH, ROUNDINGS, FusedStep, Reuse, neighbours_of, reuse_of
+from sgicodec.fit.fused_step import REFRESH, ROUNDINGS, FusedStep, Reuse, reuse_of
 from sgicodec.fit.initialization import cell_means
 from sgicodec.fit.noise import NoiseKey
 from sgicodec.fit.parameters import Parameters
 from sgicodec.fit.pyramid import Level
+from sgicodec.model.context import neighbour_table
 from sgicodec.model.layout import ROOT_LOG, CellSums, SeedLayout, cell_sums, sums_by_level
 from sgicodec.model.spec import ModelSpec
 from sgicodec.profiles.fit_settings import Rounding
@@ -125,7 +126,7 @@ class DeviceFit:
         return self.parameters.trained()
 
     def _step_of(self, layout: SeedLayout, quality: int) -> DeviceStep:
-        neighbour = neighbours_of(self.spec.context, layout)
+        neighbour = neighbour_table(self.spec.context, layout)
         return DeviceStep(self.gpu, self.spec, layout, neighbour, quality, self.cutoff)
 
     def _level(self, level: Level) -> dict[str, Any]:

@@ -16,12 +16,11 @@ from sgicodec.fit.pyramid import Level
 from sgicodec.model.context import neighbour_table
 from sgicodec.model.gaussians import MIN_VARIANCE, colour_matrix, empty_gaussians
 from sgicodec.model.layout import SeedLayout
-from sgicodec.model.neighbours import nearest_seeds
-from sgicodec.model.spec import ContextSpec, ModelSpec
+from sgicodec.model.spec import ModelSpec
 from sgicodec.profiles.fit_settings import Rounding
 from sgicodec.raster.backend import Backend
 
-__all__ = ["REFRESH", "ROUNDINGS", "FusedStep", "Reuse", "neighbours_of", "reuse_of"]
+__all__ = ["REFRESH", "ROUNDINGS", "FusedStep", "Reuse", "reuse_of"]
 
 F32 = NDArray[np.float32]
 
@@ -46,12 +45,6 @@ def reuse_of(age: int, rounding: Rounding, context: ContextWeights) -> Reuse:
         return Reuse.NOTHING
     lazy = rounding == "noise" and context.difference is not None and age % PREDICT
     return Reuse.PREDICTIONS if lazy else Reuse.INPUTS
-
-
-def neighbours_of(context: ContextSpec, layout: SeedLayout) -> NDArray[np.int32]:
-    """Seeds that each seed sees, nearest first [N, neighbours]; -1 for none."""
-    table, present = neighbour_table(context, layout, nearest_seeds)
-    return np.where(present, table, -1).astype(np.int32)
 
 
 class FusedStep:
@@ -79,7 +72,7 @@ class FusedStep:
 
     def set_layout(self, layout: SeedLayout, quality: int) -> None:
         """Prepares everything that depends on where the seeds are."""
-        neighbour = neighbours_of(self.spec.context, layout)
+        neighbour = neighbour_table(self.spec.context, layout)
         self.native.set_layout(layout.half_pixels, layout.log_size, neighbour, quality)
         self.count = len(layout)
         self.age = 0

@@ -78,13 +78,6 @@ class SeedLayout:
         """Centres of the cells in half pixels [N, 2]: always whole numbers."""
         return (2 * self.corner + (np.int32(1) << self.log_size.astype(np.int32))[:, None]).astype(np.int32)
 
-    @property
-    def parity(self) -> NDArray[np.int64]:
-        """Which of the four passes codes each seed [N]: cells of even x and y first, then odd-odd, then the rest."""
-        cell_index = self.corner >> self.log_size.astype(np.int32)[:, None]
-        x, y = cell_index[:, 0] & 1, cell_index[:, 1] & 1
-        return np.array([0, 2, 3, 1])[x + 2 * y]
-
     def take(self, keep: NDArray[np.generic]) -> SeedLayout:
         """The seeds that a mask or index array selects."""
         return SeedLayout(self.corner[keep], self.log_size[keep])

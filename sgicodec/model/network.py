@@ -2,37 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sgicodec._native import HIDDEN_LIMIT, INPUT_LIMIT, MEAN_BITS, evaluate_network
-from sgicodec.device import ONE_THREAD, Device
+from sgicodec._native import HIDDEN_LIMIT, INPUT_LIMIT, MEAN_BITS
 from sgicodec.errors import CorruptStreamError
 from sgicodec.model.context import INPUT_BITS
 from sgicodec.model.quantization import PER_OCTAVE
 
-__all__ = ["DIFFERENCE_SHIFT", "INPUT_LIMIT", "MEAN_BITS", "IntNetwork", "Prediction"]
+__all__ = ["DIFFERENCE_SHIFT", "INPUT_LIMIT", "MEAN_BITS", "IntNetwork"]
 
 I64 = NDArray[np.int64]
-F64 = NDArray[np.float64]
 
 DIFFERENCE_SHIFT = 5
 """What a picture changes in a shipped network comes in multiples of 2^-5."""
 EXACT = float(1 << 53)
-
-
-@dataclass(frozen=True)
-class Prediction:
-    """What MLP_p says of n seeds: means [n, U] in 2^-8 base steps, scales [n, U] in sixths of an octave relative to the
-    base step, refinements r [n, G] of the step in sixths of an octave.
-    """
-
-    mean: I64
-    scale: I64
-    refine: I64
 
 
 @dataclass(frozen=True)
@@ -90,33 +76,3 @@ class IntNetwork:
     def coarser(self, shift: int) -> IntNetwork:
         """This network with every refinement r of the steps raised by shift · 2^-DIFFERENCE_SHIFT octaves."""
         return self.biased(slice(2 * self.predicted, None), shift)
-
-    def predict(
-        self,
-        inputs: NDArray[np.integer],
-        matmul: Callable[[F64, F64], F64] | None = None,
-        device: Device = ONE_THREAD,
-    ) -> Prediction:
-        """Evaluates inputs [n, inputs]. All sums are of integers that float64 holds, in native code or, for a test that
-        adds in another order, by `matmul` in numpy.
-        """
-        out = self._native(inputs, device) if matmul is None else self._by_products(inputs, matmul)
-        units = self.predicted
-        return Prediction(mean=out[:, :units], scale=out[:, units : 2 * units], refine=out[:, 2 * units :])
-
-    def _native(self, inputs: NDArray[np.integer], device: Device) -> I64:
-        if inputs.dtype != np.int16:  # those are clipped as they are read
-            inputs = np.clip(inputs, -INPUT_LIMIT, INPUT_LIMIT)
-        x = inputs.astype(np.int16, copy=False)
-        out = np.empty((len(inputs), len(self.w2)), np.int64)
-        evaluate_network(*self.arrays, self.shift, self.predicted, x, device.threads, device.isa, out)
-        return out
-
-    def _by_products(self, inputs: NDArray[np.integer], matmul: Callable[[F64, F64], F64]) -> I64:
-        x = np.clip(inputs, -INPUT_LIMIT, INPUT_LIMIT).astype(np.float64)
-        hidden = matmul(x, self.w1.T.astype(np.float64)) + (self.b1 << INPUT_BITS)
-        hidden = np.clip(np.floor(hidden * 2.0**-self.shift), 0, HIDDEN_LIMIT)  # exact, as is every step here
-        out = (matmul(hidden, self.w2.T.astype(np.float64)) + (self.b2 << INPUT_BITS)).astype(np.int64)
-        units, fraction = self.predicted, INPUT_BITS + self.shift
-        rest = (out[:, units:] * PER_OCTAVE) >> fraction
-        return np.concatenate([out[:, :units] >> (fraction - MEAN_BITS), rest], axis=1)

@@ -28,7 +28,6 @@ __all__ = [
     "SCALE_ZERO",
     "STEP_COUNT",
     "STEP_ZERO",
-    "quantize",
     "step_fixed",
     "step_index",
 ]
@@ -55,15 +54,3 @@ def step_index(step: F64 | float) -> I64:
     index = np.rint(np.log2(np.asarray(step, np.float64)) * PER_OCTAVE) + STEP_ZERO
     clipped: I64 = np.clip(index, 0, STEP_COUNT - 1).astype(np.int64)
     return clipped
-
-
-def quantize(values: F64, mean: I64, step: I64, scale: NDArray[np.integer], dead_zone: float = DEAD_ZONE) -> I64:
-    """Symbols n near (v − m) / q for float values, fixed-point means and steps, and scale indices (σ in steps).
-
-    Decisions lean towards zero by what the bits are worth, `dead_zone` for a scale of one step; only the encoder does
-    this, a decoder need not know.
-    """
-    position = (values * 2.0**FRACTION_BITS - mean) / step
-    lean = np.minimum(dead_zone * 2.0 ** ((SCALE_ZERO - scale) / PER_OCTAVE), DEAD_ZONE_LIMIT)
-    symbols: I64 = (np.sign(position) * np.floor(np.abs(position) + 0.5 - lean)).astype(np.int64)
-    return symbols

@@ -12,7 +12,6 @@ from sgicodec._native import TEXTURE_ROOT_LOG as ROOT_LOG
 from sgicodec._native import draw_texture
 from sgicodec.device import ONE_THREAD, Device
 from sgicodec.model.gaussians import colour_matrix
-from sgicodec.model.luma_space import from_luma_space
 
 __all__ = ["MIN_LOG", "ROOT_LOG", "TextureLayer"]
 
@@ -43,27 +42,11 @@ class TextureLayer:
         """Bytes that it holds."""
         return self.corner.nbytes + self.log_size.nbytes + self.amplitudes.nbytes
 
-    def draw(
-        self,
-        start: tuple[float, float] = (0.0, 0.0),
-        scale: tuple[float, float] = (1.0, 1.0),
-        first: tuple[int, int] = (0, 0),
-        size: tuple[int, int] | None = None,
-        device: Device = ONE_THREAD,
-        opponent: bool = False,
-        luma_space: bool = False,
-    ) -> F32:
-        """Planes [C, h, w] of the block of `size` (w, h) pixels from pixel `first` (x, y) on of the tile rendered at
-        `scale` from `start`, as `base_view` takes them. In the picture's colours, which `luma_space` tells to be mixed
-        from that space, or as they are with `opponent`.
-        """
-        width, height = self.size if size is None else size
+    def draw(self, device: Device = ONE_THREAD) -> F32:
+        """Planes [C, h, w] of the tile in the picture's colours."""
+        width, height = self.size
         planes = np.empty((self.channels, height, width), np.float32)
-        mixes = self.channels >= 3 and not opponent
-        mix = None
-        if mixes:
-            into = from_luma_space(3).T if luma_space else np.eye(3)
-            mix = np.ascontiguousarray(np.array(colour_matrix(3)) @ into, np.float32)
-        cells = self.corner, self.log_size, self.amplitudes, self.size
-        draw_texture(*cells, start, scale, first, mix, device.threads, device.isa, planes)
+        mix = np.array(colour_matrix(3), np.float32) if self.channels >= 3 else None
+        cells = self.corner, self.log_size, self.amplitudes
+        draw_texture(*cells, mix, device.threads, device.isa, planes)
         return planes

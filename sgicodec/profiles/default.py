@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from sgicodec.bitstream.parts.prior import PRIORS
+from sgicodec._native import PRIOR
 from sgicodec.model.spec import ContextSpec, ModelSpec
 from sgicodec.profiles.fit_settings import FitSettings, Phase
 from sgicodec.profiles.profile import Choices, Profile
@@ -76,7 +76,7 @@ def lmbda_of_quality(quality: float) -> float:
 
 
 def _spec(choices: Choices, channels: int) -> ModelSpec:
-    prior = max(PRIORS, default=0) if choices.prior is None else choices.prior
+    prior = PRIOR if choices.prior is None else choices.prior
     spec = default_spec(channels, prior, texture=choices.texture)
     return replace(spec, restoration=choices.texture and choices.restoration)
 

@@ -6,18 +6,14 @@ import json
 import os
 import subprocess
 import sys
-from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 
 from sgicodec import EncodeSettings, Picture, Stream, encode_picture, read
 from sgicodec.bitstream.parts import tile
-from sgicodec.bitstream.parts.attributes import AttributeQuantiser
 from sgicodec.decoder.stream import open_stream
 from sgicodec.device import ONE_THREAD, Device
 from sgicodec.metrics.psnr import psnr
@@ -88,46 +84,6 @@ def test_same_symbols_for_any_threads_of_the_algebra_library(data: bytes, tmp_pa
         facts = json.loads(subprocess.run(command, capture_output=True, check=True, env=environment).stdout)
         checksums.add(facts["symbol_crc"])
     assert checksums == {f"{open_stream(data).symbol_crc:08x}"}
-
-
-def shuffled(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """a @ b with its sums in a random order."""
-    order = np.random.default_rng(a.size).permutation(a.shape[1])
-    return a[:, order] @ b[order]
-
-
-def in_parts(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """a @ b from partial sums, as a machine with wide registers or several threads adds them."""
-    lanes = [a[:, lane::8] @ b[lane::8] for lane in range(8)]
-    return (lanes[0] + lanes[4] + (lanes[2] + lanes[6])) + (lanes[1] + lanes[5] + (lanes[3] + lanes[7]))
-
-
-def one_by_one(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """a @ b term by term, last first."""
-    total = np.zeros((len(a), b.shape[1]))
-    for index in reversed(range(a.shape[1])):
-        total += a[:, index, None] * b[index]
-    return total
-
-
-@pytest.mark.parametrize("matmul", [shuffled, in_parts, one_by_one])
-def test_same_symbols_in_any_order_of_summation(
-    data: bytes, matmul: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """The writer in Python says what native code reads, however its sums are added."""
-    stream = open_stream(data)
-    model, spec, calls = stream.model, stream.header.spec, []
-    attributes = {group.name: model.decoded_values[:, group.columns] for group in spec.groups}
-
-    def counted(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-        calls.append(a.shape)
-        return matmul(a, b)
-
-    monkeypatch.setattr(tile, "AttributeQuantiser", partial(AttributeQuantiser, matmul=counted))
-    payload, walk = tile.write_tile(stream.header, replace(model, attributes=attributes, decoded=None))
-    assert payload == stream.payload(0)
-    assert walk.crc == stream.symbol_crc
-    assert calls
 
 
 def test_coding_again_what_was_read_gives_the_same_payload(stream: Stream) -> None:

@@ -10,8 +10,9 @@ from torch import Tensor
 
 from sgicodec.fit.context_weights import WEIGHT_SHIFT, ContextWeights, layer_shapes, shaped
 from sgicodec.fit.weight_bits import ADDED_UNITS
-from sgicodec.model.context import INPUT_BITS, HashGrid, hash_inputs, output_count
+from sgicodec.model.context import INPUT_BITS, HashGrid, output_count
 from sgicodec.model.network import DIFFERENCE_SHIFT, INPUT_LIMIT
+from tools.autograd.context_inputs import hash_inputs
 
 __all__ = ["ContextNet", "binarize", "bits_by_mean"]
 
@@ -97,11 +98,7 @@ class ContextNet:
 
     def hash_features(self, grid: HashGrid, weight: Tensor) -> Tensor:
         """H at every seed [N, L·F], in input units."""
-        signs = [binarize(table) for table in self.tables]
-        return cast(
-            Tensor,
-            hash_inputs(grid, slice(None), signs, weight, torch.cat, lambda value, shift: value * 2.0**-shift),
-        )
+        return hash_inputs(grid, [binarize(table) for table in self.tables], weight)
 
     def hash_bits(self) -> Tensor:
         """L_hash: the entropy of the grid's signs (paper, equation 12)."""

@@ -16,15 +16,11 @@ from sgicodec.model.context import (
     LEVELS,
     HashGrid,
     level_inputs,
-    nearest_offset,
-    neighbour_inputs,
     neighbour_table,
     output_columns,
     output_count,
-    own_inputs,
 )
 from sgicodec.model.layout import SeedLayout
-from sgicodec.model.neighbours import nearest_seeds
 from sgicodec.model.quantization import (
     DEAD_ZONE,
     DEAD_ZONE_LIMIT,
@@ -37,6 +33,7 @@ from sgicodec.model.quantization import (
 from sgicodec.model.spec import ModelSpec
 from sgicodec.model.steps import AMPLITUDE_ZERO, REFINE_LIMIT, follows_amplitude
 from sgicodec.profiles.fit_settings import Rounding
+from tools.autograd.context_inputs import nearest_offset, neighbour_inputs, own_inputs
 from tools.autograd.context_net import ContextNet
 from tools.autograd.rate import bits_gaussian, bits_laplace
 
@@ -103,8 +100,10 @@ class QuantizationProxy:
         self.level_inputs = torch.from_numpy(level_inputs(layout, quality)).float()
         self.log_size = torch.from_numpy(layout.log_size.astype(np.float32))
         if context.neighbours:
-            table, present = neighbour_table(context, layout, nearest_seeds)
-            self.table, self.present = torch.from_numpy(table), torch.from_numpy(present).float()
+            table = neighbour_table(context, layout)
+            self.present = torch.from_numpy(table >= 0).float()
+            table = np.maximum(table, 0)
+            self.table = torch.from_numpy(table)
             self.offset = torch.from_numpy(nearest_offset(layout, table)).float()
         if context.hash_resolutions:
             self.grid = HashGrid.at(context, layout, width, height)
@@ -193,17 +192,8 @@ class QuantizationProxy:
     def _common_inputs(self, values: dict[str, Tensor]) -> Tensor:
         blocks = [self.level_inputs]
         if self.spec.context.neighbours:
-            blocks.append(
-                neighbour_inputs(
-                    self.summary(values),
-                    self.table,
-                    self.present,
-                    (self.log_size, self.log_size),
-                    self.offset,
-                    torch.cat,
-                    lambda value, shift: value * 2.0**-shift,
-                )
-            )
+            seen = self.table, self.present, self.log_size, self.offset
+            blocks.append(neighbour_inputs(self.summary(values), *seen))
         return torch.cat(blocks, dim=1)
 
     def _predict(self, net: ContextNet, number: int, decoded: dict[str, Tensor]) -> tuple[Tensor, Tensor, Tensor]:
@@ -215,7 +205,7 @@ class QuantizationProxy:
             known = {name: value.detach() for name, value in decoded.items()}
             if "shape" not in known:
                 known["shape"] = torch.zeros(len(self.level), 3 * self.spec.per_seed)
-            blocks.append(own_inputs(self.summary(known), number, torch.cat))
+            blocks.append(own_inputs(self.summary(known), number))
         if net.trains:
             return net.forward(number, torch.cat([self.common, *blocks], dim=1))
         product = self.products[number]

@@ -4,9 +4,8 @@ A table gives every symbol an integer frequency of at least 1; the frequencies o
 
 - Zero-centred tables code n = round((v − m) / q), the distance of a value from its predicted mean in steps.
   Table index = family · SCALES + i stands for standard deviation σ_i = 2**((i − 24) / 6) steps: 1/16 to 90
-  steps in ratios of 12 %. They were computed once by `make_tables.py` and are read from `tables.bin`, whose
-  hash is pinned here: two versions of a mathematics library that differ in the last bit can therefore never
-  disagree about a stream.
+  steps in ratios of 12 %. They were computed once by `make_tables.py` and ship with the extension: two versions of a
+  mathematics library that differ in the last bit can therefore never disagree about a stream.
 - Bernoulli tables code one bit with a probability given in eight bits.
 
 Floating point appears only in `bits`, which measures and never codes.
@@ -14,14 +13,13 @@ Floating point appears only in `bits`, which measures and never codes.
 
 from __future__ import annotations
 
-import hashlib
 from dataclasses import dataclass
 from functools import cache
-from importlib.resources import files
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from sgicodec._native import shipped
 from sgicodec.errors import UsageError
 
 __all__ = [
@@ -57,9 +55,6 @@ ESCAPE_EXPONENTS = 21
 
 _MAX_COUNTED = 128
 """Largest magnitude up to which symbols are counted before their bits are summed."""
-
-_FILE = "tables.bin"
-_SHA256 = "7e86137a6abd4543b53f667e7ca867ab8bba768232796e9b2458be738410b1e0"
 
 
 @dataclass(frozen=True)
@@ -156,18 +151,8 @@ def bits_of_frequencies(frequency: ArrayLike) -> NDArray[np.float64]:
 
 @cache
 def frequency_tables() -> FrequencyTables:
-    """The zero-centred tables of this version, checked against their hash; loaded once per process.
-
-    A mismatch means a broken installation and is a RuntimeError: no stream and no caller is at fault.
-    """
-    data = files("sgicodec.bitstream.entropy").joinpath(_FILE).read_bytes()
-    if hashlib.sha256(data).hexdigest() != _SHA256:
-        raise RuntimeError(f"{_FILE} is not the file this version was released with; reinstall sgicodec")
-    return parse_tables(data)
-
-
-def parse_tables(data: bytes) -> FrequencyTables:
-    """Tables from the bytes of `tables.bin`: all S as u16, then per table f(0) … f(S), f(escape) as u32."""
+    """The zero-centred tables, from `tables.bin`: all S as u16, then per table f(0) … f(S), f(escape) as u32."""
+    data = shipped("tables", 0)
     support = np.frombuffer(data, "<u2", TABLES).astype(np.int32)
     half = np.frombuffer(data, "<u4", offset=2 * TABLES).astype(np.int64)
     half_start = np.concatenate([[0], np.cumsum(support + 2)])

@@ -1,31 +1,30 @@
 """Seed attributes: symbols under the distributions that MLP_p predicts, pass after pass, group after group.
 
-`AttributeQuantiser` finds the symbols and what a decoder makes of them; `write_attributes` codes them. Everything from
-decoded symbols to the next distribution is integer arithmetic, so that a reader (native/bitstream/read_attributes.cpp)
-agrees on every machine (docs/format.md, "Context model").
+`quantise_attributes` finds the symbols and what a decoder makes of them; `write_attributes` codes them. Native code
+goes through the passes, in one way for writing and reading (native/bitstream/attributes.hpp). Everything from decoded
+symbols to the next distribution is integer arithmetic, so that readers agree on every machine (docs/format.md,
+"Context model").
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from sgicodec import _native
 from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
-from sgicodec.bitstream.entropy.tables import MAX_MAGNITUDE, SCALES
+from sgicodec.bitstream.entropy.tables import SCALES
+from sgicodec.bitstream.header import Header, encode_header
 from sgicodec.device import ONE_THREAD
-from sgicodec.model.context import HashGrid, hash_inputs, input_count, nearest_by_pass, output_count
 from sgicodec.model.layout import SeedLayout
-from sgicodec.model.native import SeedInputs, quantisers, summarise, write_own_inputs
-from sgicodec.model.neighbours import nearest_seeds
-from sgicodec.model.network import IntNetwork, Prediction
-from sgicodec.model.quantization import DEAD_ZONE, FRACTION_BITS, quantize
-from sgicodec.model.spec import ModelSpec
-from sgicodec.model.steps import StepPlan, follows_amplitude
+from sgicodec.model.network import IntNetwork
+from sgicodec.model.quantization import DEAD_ZONE, DEAD_ZONE_LIMIT, FRACTION_BITS, PER_OCTAVE, SCALE_ZERO
+from sgicodec.model.steps import StepPlan
 
-__all__ = ["AttributeQuantiser", "QuantisedAttributes", "write_attributes"]
+__all__ = ["QuantisedAttributes", "SeedCoding", "quantise_attributes", "write_attributes"]
 
 I16 = NDArray[np.int16]
 I32 = NDArray[np.int32]
@@ -34,11 +33,15 @@ F64 = NDArray[np.float64]
 
 
 class SymbolRun(NamedTuple):
-    """Symbols [n, size] of an attribute group, and the index of each one's frequency table."""
+    """Symbols [n, size] of an attribute group, indices of their frequency tables, and their steps in units of 2^-24;
+    what MLP_p saw [n, inputs], where that is asked for.
+    """
 
     group: str
-    symbols: I64
+    symbols: I32
     tables: I16
+    steps: I64
+    inputs: I16
 
 
 @dataclass(frozen=True)
@@ -63,90 +66,52 @@ def write_attributes(writer: SymbolWriter, quantised: QuantisedAttributes) -> No
             writer.code(run.symbols, run.tables)
 
 
-def _shift(value: Any, bits: int) -> Any:
-    return value >> bits
+class SeedCoding(NamedTuple):
+    """How the seeds of a tile are coded, as native code takes it."""
+
+    header: bytes
+    corner: I32
+    log_size: NDArray[np.int8]
+    plan: list[tuple[I64, int]]
+    networks: list[tuple[I64, I64, I64, I64, int]]
+
+    @classmethod
+    def of(cls, header: Header, layout: SeedLayout, plan: StepPlan, networks: tuple[IntNetwork, ...]) -> SeedCoding:
+        """That of a layout's seeds under these steps and networks."""
+        return cls(
+            encode_header(header),
+            np.ascontiguousarray(layout.corner),
+            np.ascontiguousarray(layout.log_size),
+            [(np.ascontiguousarray(plan.base[group.name]), plan.gamma[group.name]) for group in header.spec.groups],
+            [(*network.arrays, network.shift) for network in networks],
+        )
 
 
-@dataclass(frozen=True)
-class AttributeQuantiser:
-    """What is known before the first attribute: the model's kind, its seeds and its networks.
+def quantise_attributes(
+    header: Header,
+    layout: SeedLayout,
+    plan: StepPlan,
+    networks: tuple[IntNetwork, ...],
+    hash_tables: list[I64],
+    values: dict[str, F64],
+    with_inputs: bool = False,
+) -> QuantisedAttributes:
+    """The symbols of the float attributes `values` by group [N, size], and what they decode to.
 
-    `matmul` is there so that a test can sum in another order and still get the same symbols.
+    Decisions lean towards zero by what the bits are worth, `DEAD_ZONE` for a scale of one step, under a Laplacian:
+    Gaussian attributes are fitted without. A decoder need not know.
     """
-
-    spec: ModelSpec
-    layout: SeedLayout
-    size: tuple[int, int]
-    plan: StepPlan
-    networks: tuple[IntNetwork, ...]
-    hash_tables: list[I64]
-    quality: int
-    family: int
-    matmul: Any = None
-
-    def quantise(self, values: dict[str, F64]) -> QuantisedAttributes:
-        """The symbols of the float attributes `values` by group [N, size], and what they decode to."""
-        runs: list[SymbolRun] = []
-        context, layout = self.spec.context, self.layout
-        decoded = np.zeros((len(layout), self.spec.attributes), np.int64)
-        seeds = SeedInputs(layout, self.quality, ONE_THREAD)
-        widths = [input_count(self.spec, number) for number in range(len(context.steps))]
-        if context.hash_resolutions:
-            grid = HashGrid.at(context, layout, *self.size)
-            signs = [2 * bits - 1 for bits in self.hash_tables]
-        for members, neighbours in nearest_by_pass(context, layout, nearest_seeds):
-            if not len(members):
-                continue
-            inputs = np.empty((len(members), max(widths)), np.int16)
-            seeds.write(members, neighbours, inputs)
-            if context.hash_resolutions:
-                hashed = hash_inputs(grid, members, signs, grid.weight, np.concatenate, _shift)
-                inputs[:, widths[0] - hashed.shape[1] : widths[0]] = hashed
-            self._quantise_pass(members, inputs, widths, values, decoded, runs)
-            if context.neighbours:
-                seeds.summary[members] = summarise(self.spec, decoded, members, ONE_THREAD)[0]
-        return QuantisedAttributes(decoded, runs)
-
-    def _quantise_pass(
-        self,
-        members: I64,
-        inputs: I16,
-        widths: list[int],
-        values: dict[str, F64],
-        decoded: I64,
-        runs: list[SymbolRun],
-    ) -> None:
-        """Adds the seeds `members` to `decoded` and `runs`; inputs [n, most] hold what all steps see, the first
-        widths[0] columns.
-        """
-        amplitude = None
-        for number, step in enumerate(self.spec.context.steps):
-            if number:
-                summary, amplitude = summarise(self.spec, decoded, members, ONE_THREAD)
-                write_own_inputs(summary, number, widths[0], inputs, ONE_THREAD)
-            prediction = self.networks[number].predict(inputs[:, : widths[number]], self.matmul, ONE_THREAD)
-            start = 0
-            for position, name in enumerate(step):
-                units = slice(start, start + output_count(self.spec, name))
-                start = units.stop
-                part = Prediction(
-                    prediction.mean[:, units], prediction.scale[:, units], prediction.refine[:, position : position + 1]
-                )
-                known = amplitude if follows_amplitude(self.spec, name) else None
-                runs.append(self._quantise_group(name, members, part, known, values[name][members], decoded))
-
-    def _quantise_group(
-        self,
-        name: str,
-        members: I64,
-        prediction: Prediction,
-        amplitude: I32 | None,
-        values: F64,
-        decoded: I64,
-    ) -> SymbolRun:
-        known = quantisers(self.spec, self.plan, name, prediction, amplitude, self.layout.log_size[members], ONE_THREAD)
-        dead_zone = DEAD_ZONE if self.family else 0.0  # a Laplacian's: Gaussian attributes are fitted without
-        symbols = quantize(values, known.mean, known.step, known.scale, dead_zone)
-        symbols = np.clip(symbols, -MAX_MAGNITUDE, MAX_MAGNITUDE)
-        known.decode(symbols.astype(np.int32), members, self.spec.group(name).start, decoded, ONE_THREAD)
-        return SymbolRun(name, symbols, known.scale + np.int16(SCALES * self.family))
+    names = [group.name for group in header.spec.groups]
+    dead_zone = DEAD_ZONE if header.family else 0.0
+    octaves = (SCALE_ZERO - np.arange(SCALES)) / PER_OCTAVE
+    signs = [table.reshape(-1) for table in hash_tables]
+    decoded, runs = _native.quantise_attributes(
+        *SeedCoding.of(header, layout, plan, networks),
+        np.concatenate(signs).astype(np.uint8) if signs else np.empty(0, np.uint8),
+        np.concatenate([values[name] for name in names], axis=1, dtype=np.float64),
+        np.minimum(dead_zone * 2.0**octaves, DEAD_ZONE_LIMIT),
+        with_inputs,
+        ONE_THREAD.threads,
+        ONE_THREAD.isa,
+    )
+    return QuantisedAttributes(decoded, [SymbolRun(names[run[0]], *run[1:]) for run in runs])

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
 from sgicodec.bitstream.parts.arrays import write_weights
-from sgicodec.bitstream.parts.seed_tree import Seeds
 from sgicodec.errors import UsageError
 
-__all__ = ["write_positions"]
+__all__ = ["Seeds", "write_positions"]
+
+Seeds = tuple[NDArray[np.int32], NDArray[np.int8]]
+"""Corners [N, 2] in pixels (x, y) and log2 of the side of each one's node [N]."""
 
 _COUNT_BITS, _SHIFT_BITS = 32, 4
 _UPPER_BITS = 5

@@ -15,13 +15,11 @@ from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
 from sgicodec.bitstream.header import Header, encode_header
 from sgicodec.bitstream.limits import check_model, hash_counts, max_seeds, network_shapes
 from sgicodec.bitstream.parts.arrays import write_base, write_signs, write_weights
-from sgicodec.bitstream.parts.attributes import AttributeQuantiser, QuantisedAttributes, write_attributes
+from sgicodec.bitstream.parts.attributes import QuantisedAttributes, quantise_attributes, write_attributes
 from sgicodec.bitstream.parts.positions import write_positions
-from sgicodec.bitstream.parts.predicted_positions import write_predicted_positions
-from sgicodec.bitstream.parts.predicted_tree import TreeContext
+from sgicodec.bitstream.parts.predicted_positions import TreeContext, write_predicted_positions
 from sgicodec.bitstream.parts.prior import load_prior
 from sgicodec.bitstream.parts.restoration import write_restoration
-from sgicodec.bitstream.parts.seed_tree import TreeShape
 from sgicodec.bitstream.parts.texture import layer_of, write_texture
 from sgicodec.device import ONE_THREAD, Device
 from sgicodec.errors import LimitError
@@ -75,9 +73,8 @@ def quantise(header: Header, model: TileModel) -> QuantisedAttributes:
     """The attributes of a model as a stream will hold them. Nothing is coded."""
     if model.attributes is None:
         raise ValueError("the tile has no attributes: it was read, not fitted")
-    size = header.width, header.height
-    known = model.layout, size, model.plan, model.networks, model.hash_tables, header.quality, header.family
-    return AttributeQuantiser(header.spec, *known).quantise(model.attributes)
+    known = model.layout, model.plan, model.networks, model.hash_tables
+    return quantise_attributes(header, *known, model.attributes)
 
 
 def write_tile(
@@ -155,12 +152,11 @@ def _write_plan(writer: SymbolWriter, spec: ModelSpec, quality: int, plan: StepP
 
 
 def _write_layout(writer: SymbolWriter, header: Header, base: I64, layout: SeedLayout) -> None:
-    seeds = layout.corner, layout.log_size
+    seeds, size = (layout.corner, layout.log_size), (header.width, header.height)
     if header.spec.layout == "uniform":
-        write_positions(writer, (header.width, header.height), seeds)
-        return
-    tree_context = TreeContext(base, header.spec.base_cell, header.quality)
-    write_predicted_positions(writer, TreeShape(header.width, header.height), tree_context, seeds)
+        write_positions(writer, size, seeds)
+    else:
+        write_predicted_positions(writer, TreeContext(size, base, header.spec.base_cell, header.quality), seeds)
 
 
 def write_networks(writer: SymbolWriter, spec: ModelSpec, networks: tuple[IntNetwork, ...]) -> None:

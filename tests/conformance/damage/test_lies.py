@@ -17,9 +17,7 @@ from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
 from sgicodec.bitstream.header import decode_header
 from sgicodec.bitstream.parts.arrays import write_base, write_weights
 from sgicodec.bitstream.parts.positions import write_positions
-from sgicodec.bitstream.parts.predicted_positions import write_predicted_positions
-from sgicodec.bitstream.parts.predicted_tree import TreeContext
-from sgicodec.bitstream.parts.seed_tree import TreeShape
+from sgicodec.bitstream.parts.predicted_positions import TreeContext, write_predicted_positions
 from sgicodec.bitstream.parts.tile import read_tile
 from sgicodec.decoder.stream import open_stream
 from sgicodec.errors import CorruptStreamError, LimitError
@@ -111,12 +109,12 @@ def test_free_seeds_are_few(coded: Any) -> None:
     side = 2**10 << least
     header = decode_header(split(with_fields(coded.data, width=side, height=side))[0][1])
     y, x = (axis.reshape(-1) << least for axis in np.mgrid[: 2**10, : 2**10])
-    seeds = np.stack([x, y], axis=1), np.full(x.size, least, np.int8)
+    seeds = np.stack([x, y], axis=1).astype(np.int32), np.full(x.size, least, np.int8)
     walk = _up_to_positions(header)
     if adaptive:
         base = np.zeros((header.spec.channels, *base_shape(side, side, header.spec.base_cell)), np.int64)
-        tree_context = TreeContext(base, header.spec.base_cell, header.quality)
-        write_predicted_positions(walk, TreeShape(side, side), tree_context, seeds)
+        context = TreeContext((side, side), base, header.spec.base_cell, header.quality)
+        write_predicted_positions(walk, context, seeds)
     else:
         write_positions(walk, (side, side), seeds)
     payload = walk.finish()

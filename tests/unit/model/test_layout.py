@@ -5,7 +5,7 @@ from examples import examples
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from sgicodec.model.context import passes
+from sgicodec.model.context import nearest_by_pass
 from sgicodec.model.layout import ROOT_LOG, SeedLayout, adaptive_layout, cell_sums, uniform_layout
 from sgicodec.profiles.default import default_spec
 
@@ -117,7 +117,7 @@ def test_centres_in_pixels_and_half_pixels() -> None:
 
 
 def test_passes_from_large_cells_to_small_ones() -> None:
-    order = passes(default_spec(3).context, LAYOUT)
+    order = [members for members, _ in nearest_by_pass(default_spec(3).context, LAYOUT)]
     assert sorted(np.concatenate(order).tolist()) == list(range(len(LAYOUT)))
     ranks = [(0, 0), (1, 1), (1, 0), (0, 1)]
     seen = []

@@ -1,4 +1,4 @@
-"""Attributes as they are written, step by step in Python, and read, in one native call and as docs/format.md says."""
+"""Attributes as they are written, and read by the library and as docs/format.md says."""
 
 from __future__ import annotations
 
@@ -15,19 +15,19 @@ from surgery import split
 
 from sgicodec import _native
 from sgicodec._native import SymbolReader
+from sgicodec.bitstream.entropy.tables import SCALES
 from sgicodec.bitstream.header import Header, decode_header, encode_header
 from sgicodec.bitstream.limits import hash_counts, network_shapes
-from sgicodec.bitstream.parts.predicted_tree import TreeContext, native_tree_context
 from sgicodec.bitstream.parts.prior import load_prior
-from sgicodec.bitstream.parts.seed_tree import TreeShape
 from sgicodec.bitstream.parts.tile import TileModel, quantise, read_tile, write_tile
 from sgicodec.bitstream.parts.tile_chunk import decode_tile_chunk
 from sgicodec.device import ONE_THREAD, Device
 from sgicodec.errors import StreamError
 from sgicodec.model.base import base_shape
-from sgicodec.model.context import passes
+from sgicodec.model.context import nearest_by_pass
 from sgicodec.model.gaussians import decoder_shapes
 from sgicodec.model.layout import SeedLayout
+from sgicodec.model.quantization import DEAD_ZONE_LIMIT
 from sgicodec.model.spec import ModelSpec
 from sgicodec.model.steps import default_plan, follows_amplitude
 from sgicodec.profiles.default import default_spec
@@ -97,25 +97,48 @@ def test_damage_is_told_alike(name: str) -> None:
         assert issubclass(kind, StreamError)
 
 
-@pytest.mark.parametrize("threads", [1, 2, 3])
-@pytest.mark.parametrize("spec", [default_spec(1), default_spec(3), default_spec(2)])
-def test_passes_of_many_runs(spec: ModelSpec, threads: int) -> None:
-    """Thousands of seeds in a pass are worked on in several runs, and groups of one step are larger than the last's."""
+def of_many_seeds(spec: ModelSpec) -> tuple[Header, TileModel]:
+    """Random values of thousands of seeds in a pass."""
     spec = replace(spec, base_cell=0)
     rng = np.random.default_rng(spec.channels)
     corner = 4 * np.stack(np.meshgrid(np.arange(90), np.arange(90)), axis=-1).reshape(-1, 2).astype(np.int32)
     layout = SeedLayout(corner, np.full(len(corner), 2, np.int8))
     layout = layout.take(layout.order())
-    assert max(len(members) for members in passes(spec.context, layout)) > 3 * 512
+    assert max(len(members) for members, _ in nearest_by_pass(spec.context, layout)) > 3 * 512
     values = {group.name: rng.normal(0, 0.3, (len(layout), group.size)) for group in spec.groups}
     header = Header(360, 360, "multi", "uint8", (0.0, 255.0), "default", spec, 60, 1)
     nothing = np.zeros((spec.channels, 0, 0), np.int64)
-    model = TileModel(layout, default_plan(spec, 60), 0, nothing, {}, load_prior(spec), [], values)
+    return header, TileModel(layout, default_plan(spec, 60), 0, nothing, {}, load_prior(spec), [], values)
+
+
+@pytest.mark.parametrize("threads", [1, 2, 3])
+@pytest.mark.parametrize("spec", [default_spec(1), default_spec(3), default_spec(2)])
+def test_passes_of_many_runs(spec: ModelSpec, threads: int) -> None:
+    """Seeds of a pass are worked on in several runs, and groups of one step are larger than the last's."""
+    header, model = of_many_seeds(spec)
     payload, writer = write_tile(header, model)
     read, reader = read_tile(header, payload, Device(threads))
     np.testing.assert_array_equal(read.decoded, quantise(header, model).decoded)
     assert reader.crc == writer.crc
     assert reader.bits == pytest.approx(writer.bits, rel=ROUNDING)
+
+
+def test_decisions_lean_towards_zero_and_stay_near() -> None:
+    header, model = of_many_seeds(default_spec(3))
+    spec, quantised = header.spec, quantise(header, model)
+    runs = iter(quantised.runs)
+    for members, _ in nearest_by_pass(spec.context, model.layout):
+        for group in spec.groups:
+            run, values = next(runs), (model.attributes or {})[group.name][members]
+            assert run.group == group.name
+            error = (quantised.values[members][:, group.columns] - values) / (run.steps / 2**24)  # in steps
+            exact = run.symbols - error
+            assert np.all(np.abs(error) <= 0.5 + DEAD_ZONE_LIMIT + 1e-6)
+            assert np.all(np.abs(run.symbols) <= np.abs(exact) + 0.5 + 1e-6)
+            assert np.all(run.symbols * exact >= 0)
+            wide = run.tables % SCALES > 50  # such a distribution charges nothing for a larger symbol
+            assert np.all(np.abs(error[wide]) <= 0.5 + 2e-2)
+    assert next(runs, None) is None
 
 
 @pytest.mark.parametrize("name", ["gray16", "rgb8-tiles", "multi8", "paper-rgb8"])
@@ -150,9 +173,8 @@ def skip_to_attributes(reader: SymbolReader, header: Header) -> None:
         reader.read_bits(8, 1)
         base = reader.read_base(spec.channels, *base_shape(header.width, header.height, spec.base_cell))
     if spec.layout == "adaptive":
-        shape = TreeShape(header.width, header.height)
-        scenery = native_tree_context(shape, TreeContext(base, spec.base_cell, header.quality))
-        reader.read_predicted_positions(scenery, 10**5, 1, ONE_THREAD.isa)
+        seen = (header.width, header.height), base, spec.base_cell, header.quality
+        reader.read_predicted_positions(*seen, 10**5, 1, ONE_THREAD.isa)
     else:
         reader.read_positions((header.width, header.height), 10**5)
     if spec.hidden:

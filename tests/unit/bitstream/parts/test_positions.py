@@ -11,8 +11,7 @@ from hypothesis import strategies as st
 from sgicodec._native import SymbolReader
 from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
 from sgicodec.bitstream.parts.arrays import write_weights
-from sgicodec.bitstream.parts.positions import write_positions
-from sgicodec.bitstream.parts.seed_tree import Seeds
+from sgicodec.bitstream.parts.positions import Seeds, write_positions
 from sgicodec.errors import CorruptStreamError, LimitError
 from sgicodec.model.morton import canonical_order
 

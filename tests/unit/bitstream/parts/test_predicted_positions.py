@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from importlib.resources import files
 
 import numpy as np
@@ -13,11 +14,10 @@ from hypothesis import strategies as st
 from sgicodec._native import SymbolReader
 from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
 from sgicodec.bitstream.entropy.tables import TOTAL
-from sgicodec.bitstream.parts.predicted_positions import ONES, write_predicted_positions
-from sgicodec.bitstream.parts.predicted_tree import Batch, TreeContext, native_tree_context, walk_tree
-from sgicodec.bitstream.parts.seed_tree import Seeds, TreeShape
+from sgicodec.bitstream.parts.positions import Seeds
+from sgicodec.bitstream.parts.predicted_positions import TreeContext, write_predicted_positions
 from sgicodec.device import ONE_THREAD, Device
-from sgicodec.errors import CorruptStreamError, LimitError
+from sgicodec.errors import CorruptStreamError, LimitError, UsageError
 
 Node = tuple[int, int, int]  # level, column, row
 
@@ -31,34 +31,33 @@ def nodes_of(seeds: Seeds) -> list[Node]:
     return [(int(k), int(x) >> int(k), int(y) >> int(k)) for (x, y), k in zip(*seeds, strict=True)]
 
 
-def read_seeds(
-    reader: SymbolReader, shape: TreeShape, scenery: TreeContext, most: int, device: Device = ONE_THREAD
-) -> Seeds:
-    return reader.read_predicted_positions(native_tree_context(shape, scenery), most, device.threads, device.isa)
+def read_seeds(reader: SymbolReader, scenery: TreeContext, most: int, device: Device = ONE_THREAD) -> Seeds:
+    return reader.read_predicted_positions(*scenery, most, device.threads, device.isa)
 
 
 @st.composite
-def trees(draw: st.DrawFn) -> tuple[TreeShape, TreeContext, list[Node]]:
+def trees(draw: st.DrawFn) -> tuple[TreeContext, list[Node]]:
     """Seeds that crowd in places, over a base layer of any kind."""
-    shape = TreeShape(draw(st.integers(1, 300)), draw(st.integers(1, 200)))
+    width, height = draw(st.integers(1, 300)), draw(st.integers(1, 200))
     count = draw(st.one_of(st.integers(0, 5), st.integers(0, 150)))
     rng = np.random.default_rng(draw(st.integers(0, 2**32)))
     level = rng.integers(1, 1 + draw(st.integers(1, 6)), count)
-    x = (shape.width * rng.random(count) ** draw(st.integers(1, 3))).astype(int) >> level
-    y = (shape.height * rng.random(count) ** draw(st.integers(1, 3))).astype(int) >> level
+    x = (width * rng.random(count) ** draw(st.integers(1, 3))).astype(int) >> level
+    y = (height * rng.random(count) ** draw(st.integers(1, 3))).astype(int) >> level
     cell = draw(st.sampled_from([0, 7, 32]))
-    across, down = (-(-side // cell) if cell else 0 for side in (shape.width, shape.height))
+    across, down = (-(-side // cell) if cell else 0 for side in (width, height))
     spread = draw(st.sampled_from([0, 3, 100, 2**20]))
     base = rng.integers(-spread, spread + 1, (draw(st.integers(1, 4)), down, across))
-    scenery = TreeContext(base, cell, draw(st.integers(0, 255)))
-    return shape, scenery, sorted(set(zip(level.tolist(), x.tolist(), y.tolist(), strict=True)))
+    scenery = TreeContext((width, height), base, cell, draw(st.integers(0, 255)))
+    return scenery, sorted(set(zip(level.tolist(), x.tolist(), y.tolist(), strict=True)))
 
 
 class ReferenceDecoder:
     """docs/format.md, section "Predicted flags", one flag at a time over a dictionary of nodes."""
 
-    def __init__(self, shape: TreeShape, scenery: TreeContext, payload: bytes) -> None:
-        self.shape, self.scenery, self.walk = shape, scenery, SymbolReader(payload)
+    def __init__(self, scenery: TreeContext, payload: bytes) -> None:
+        self.scenery, self.walk = scenery, SymbolReader(payload)
+        self.width, self.height = scenery.size
         self.split: dict[Node, int] = {}
         self.seed: dict[Node, int] = {}
         self.networks = self.read_networks()
@@ -152,7 +151,7 @@ class ReferenceDecoder:
     def flags(self, rows: dict[Node, int]) -> dict[Node, int]:
         result = {}
         for row in sorted(set(rows.values())):
-            one = 65536 if row > 24 else ONES[row] if row >= 0 else 65536 - ONES[-row]
+            one = 65536 if row > 24 else round(65536 / (1 + math.exp(-row / 4)))
             for node, own in rows.items():
                 if own == row:
                     frequencies = np.array([[65536 - one, one]]) * (TOTAL // 65536)
@@ -163,7 +162,7 @@ class ReferenceDecoder:
     def siblings(self, node: Node) -> list[Node]:
         level, x, y = node
         near = [(level, x & ~1 | c & 1, y & ~1 | c >> 1) for c in range(4)]
-        return [(k, i, j) for k, i, j in near if i << k < self.shape.width and j << k < self.shape.height]
+        return [(k, i, j) for k, i, j in near if i << k < self.width and j << k < self.height]
 
     def batch(self, level: int, child: int, nodes: list[Node]) -> None:
         rows = {node: self.rows(node, child) for node in nodes}
@@ -186,9 +185,8 @@ class ReferenceDecoder:
             level, x, y = node
             return [((y << level) >> i & 1) * 2 + ((x << level) >> i & 1) for i in range(12, -1, -1)], -level
 
-        columns, rows = self.shape.root_grid
-        for y in range((rows + 1) // 2):
-            for x in range((columns + 1) // 2):
+        for y in range(-(-self.height // 128)):
+            for x in range(-(-self.width // 128)):
                 self.split[7, x, y], self.seed[7, x, y] = 1, 0
         for level in range(6, 0, -1):
             parents = sorted((n for n, split in self.split.items() if split and n[0] == level + 1), key=path)
@@ -200,12 +198,12 @@ class ReferenceDecoder:
 
 @settings(max_examples=examples(40))
 @given(trees())
-def test_the_reference_decoder_reads_the_same_tree(tree: tuple[TreeShape, TreeContext, list[Node]]) -> None:
-    shape, scenery, nodes = tree
+def test_the_reference_decoder_reads_the_same_tree(tree: tuple[TreeContext, list[Node]]) -> None:
+    scenery, nodes = tree
     writer = SymbolWriter()
-    write_predicted_positions(writer, shape, scenery, seeds_of(nodes))
+    write_predicted_positions(writer, scenery, seeds_of(nodes))
     crc = writer.crc
-    decoder = ReferenceDecoder(shape, scenery, writer.finish())
+    decoder = ReferenceDecoder(scenery, writer.finish())
     found = decoder.decode()
     assert decoder.walk.read_bits(32, 1)[0] == crc  # it also stopped where the encoder did
     assert sorted(found) == nodes
@@ -213,50 +211,41 @@ def test_the_reference_decoder_reads_the_same_tree(tree: tuple[TreeShape, TreeCo
 
 @settings(max_examples=examples(80))
 @given(trees(), st.sampled_from([Device(2), Device(1, "portable")]))
-def test_round_trip_on_any_processor(tree: tuple[TreeShape, TreeContext, list[Node]], device: Device) -> None:
-    shape, scenery, nodes = tree
+def test_round_trip_on_any_processor(tree: tuple[TreeContext, list[Node]], device: Device) -> None:
+    scenery, nodes = tree
     writer = SymbolWriter()
-    write_predicted_positions(writer, shape, scenery, seeds_of(nodes))
+    write_predicted_positions(writer, scenery, seeds_of(nodes))
     reader = SymbolReader(writer.finish())
-    read = read_seeds(reader, shape, scenery, len(nodes), device)
+    read = read_seeds(reader, scenery, len(nodes), device)
     reader.finish()
     assert sorted(nodes_of(read)) == nodes
     assert (read[0].dtype, read[1].dtype) == (np.int32, np.int8)
 
 
-def test_probabilities_follow_the_logistic_function() -> None:
-    exact = 65536 / (1 + np.exp(-np.arange(len(ONES)) / 4))
-    assert np.abs(np.array(ONES) - exact).max() <= 0.5
-
-
-NOWHERE = TreeContext(np.zeros((1, 0, 0), np.int64), 0, 50)
-SHAPE = TreeShape(64, 64)
-
-
-@pytest.mark.parametrize(("width", "height", "last"), [(64, 64, 2), (33, 33, 2), (32, 64, 2), (64, 32, 1), (20, 3, 0)])
-def test_the_last_child_of_empty_siblings_is_needed(width: int, height: int, last: int) -> None:
-    needed: list[tuple[int, int]] = []
-
-    def code(batch: Batch) -> tuple[np.ndarray, np.ndarray]:
-        needed.extend((batch.level, batch.child) for need in batch.needed if need)
-        empty = np.zeros(len(batch.codes), np.uint8)
-        return (empty, empty) if batch.level < 6 else (empty + 1, empty)
-
-    walk_tree(TreeShape(width, height), NOWHERE, code, 10)
-    assert needed == [(5, last)]
+NOWHERE = TreeContext((64, 64), np.zeros((1, 0, 0), np.int64), 0, 50)
 
 
 def test_more_seeds_than_allowed_are_refused() -> None:
     nodes = [(1, x, y) for x in range(32) for y in range(32)]
     writer = SymbolWriter()
-    write_predicted_positions(writer, SHAPE, NOWHERE, seeds_of(nodes))
+    write_predicted_positions(writer, NOWHERE, seeds_of(nodes))
     payload = writer.finish()
-    assert len(read_seeds(SymbolReader(payload), SHAPE, NOWHERE, len(nodes))[1]) == len(nodes)
+    assert len(read_seeds(SymbolReader(payload), NOWHERE, len(nodes))[1]) == len(nodes)
     for most in (3, 200, 1023):
         with pytest.raises(LimitError, match=f"more than {most} seeds"):
-            read_seeds(SymbolReader(payload), SHAPE, NOWHERE, most)
-    with pytest.raises(LimitError, match="root nodes"):
-        write_predicted_positions(SymbolWriter(), TreeShape(1 << 20, 1 << 20), NOWHERE, seeds_of([]))
+            read_seeds(SymbolReader(payload), NOWHERE, most)
+
+
+@pytest.mark.parametrize(
+    ("corner", "level", "message"),
+    [((64, 0), 1, "outside"), ((1, 0), 1, "off its grid"), ((0, 0), 7, "size"), ((0, 0), 0, "size")],
+)
+def test_seeds_that_are_no_nodes_are_refused(corner: tuple[int, int], level: int, message: str) -> None:
+    seeds = np.array([corner], np.int32), np.array([level], np.int8)
+    with pytest.raises(UsageError, match=message):
+        write_predicted_positions(SymbolWriter(), NOWHERE, seeds)
+    with pytest.raises(UsageError, match="share one node"):
+        write_predicted_positions(SymbolWriter(), NOWHERE, seeds_of([(2, 0, 0), (2, 0, 0)]))
 
 
 @settings(max_examples=examples(100))
@@ -264,7 +253,7 @@ def test_more_seeds_than_allowed_are_refused() -> None:
 def test_any_bytes_decode_or_are_corrupt(data: bytes) -> None:
     try:
         reader = SymbolReader(data)
-        read_seeds(reader, TreeShape(300, 200), NOWHERE, 50)
+        read_seeds(reader, NOWHERE._replace(size=(300, 200)), 50)
         reader.finish()
     except (CorruptStreamError, LimitError):
         pass

@@ -1,5 +1,6 @@
 """What MLP_p sees while it trains (floats) against what it sees while it codes (integers), on the same values."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -7,7 +8,8 @@ import pytest
 import torch
 
 from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
-from sgicodec.bitstream.parts.attributes import AttributeQuantiser, write_attributes
+from sgicodec.bitstream.header import Header
+from sgicodec.bitstream.parts.attributes import quantise_attributes, write_attributes
 from sgicodec.fit.context_weights import ContextWeights
 from sgicodec.fit.noise import NoiseKey
 from sgicodec.fit.step_sizes import flat_steps
@@ -55,8 +57,10 @@ class Fit:
     def code(self, networks: tuple[Any, ...], plan: StepPlan) -> tuple[dict[str, torch.Tensor], SymbolWriter]:
         """The values as they are decoded, and the walk that wrote them."""
         walk = SymbolWriter()
-        known = self.layout, SIZE, plan, networks, self.weights.signs(), QUALITY, FAMILY
-        quantised = AttributeQuantiser(self.spec, *known).quantise(self.values)
+        plain = replace(self.spec, luma_space=False)
+        header = Header(*SIZE, "multi", "uint8", (0.0, 255.0), "default", plain, QUALITY, FAMILY)
+        known = self.layout, plan, networks, self.weights.signs() if self.hash_sizes else []
+        quantised = quantise_attributes(header, *known, self.values)
         write_attributes(walk, quantised)
         decoded = torch.from_numpy(quantised.values)
         return {group.name: decoded[:, group.columns].float() for group in self.spec.groups}, walk

@@ -1,4 +1,4 @@
-#include "bitstream/read_attributes.hpp"
+#include "bitstream/attributes.hpp"
 
 #include <algorithm>
 #include <atomic>
@@ -7,6 +7,7 @@
 #include <iterator>
 
 #include "base/thread_pool.hpp"
+#include "model/coding_passes.hpp"
 #include "model/neighbours.hpp"
 
 namespace sgi {
@@ -65,12 +66,12 @@ class NeighboursByPass {
   std::future<void> worker_;  // its end is waited for first
 };
 
-class AttributeReader {
+class AttributeWalk {
  public:
-  AttributeReader(RangeDecoder &decoder, const AttributeModel &model, const ZeroCentred &tables, const TileSeeds &seeds,
-                  int threads, int64_t *decoded, AttributesRead &read)
-      : decoder_(decoder), model_(model), tables_(tables), seeds_(seeds), threads_(threads), decoded_(decoded),
-        read_(read), values_{decoded, model.attributes, model.channels, model.colour, model.shape},
+  AttributeWalk(AttributeSymbols &coder, const AttributeModel &model, const TileSeeds &seeds, int threads,
+                int64_t *decoded, std::vector<int32_t> &symbols)
+      : coder_(coder), model_(model), seeds_(seeds), threads_(threads), decoded_(decoded), symbols_(symbols),
+        values_{decoded, model.attributes, model.channels, model.colour, model.shape},
         summary_(size_t(seeds.count) * kSummary) {
     for (const AttributeStep &step : model.steps) {
       stride_ = std::max(stride_, int64_t(step.inputs));
@@ -78,10 +79,10 @@ class AttributeReader {
     }
   }
 
-  Reading read_all() {
+  Reading code_all() {
     NeighboursByPass neighbours(seeds_, model_.ranks, model_.isa, resolve_threads(threads_) > 1 && model_.ranks);
     for (const std::vector<int64_t> &members : seeds_.passes) {
-      const Reading reading = read_pass(members, neighbours.next());
+      const Reading reading = code_pass(members, neighbours.next());
       if (reading != Reading::kSound) return reading;
     }
     return Reading::kSound;
@@ -111,7 +112,7 @@ class AttributeReader {
     });
   }
 
-  Reading read_pass(const std::vector<int64_t> &members, const std::vector<int32_t> &table) {
+  Reading code_pass(const std::vector<int64_t> &members, const std::vector<int32_t> &table) {
     const size_t n = members.size();
     grow(inputs_, n * size_t(stride_)), grow(own_summary_, n * kSummary), grow(amplitude_, n), grow(log_size_, n);
     size_t number = 0;
@@ -124,7 +125,7 @@ class AttributeReader {
           go_on(members, s, begin, count);
         predict(s, begin, count);
       });
-      const Reading reading = read_step(s, n, number);
+      const Reading reading = code_step(s, members, number);
       if (reading != Reading::kSound) return reading;
     }
     for_runs(n, [&](size_t begin, size_t count) {
@@ -201,28 +202,27 @@ class AttributeReader {
     }
   }
 
-  Reading read_step(size_t s, size_t n, size_t &number) {
+  Reading code_step(size_t s, const std::vector<int64_t> &members, size_t &number) {
     const AttributeStep &step = model_.steps[s];
     for (size_t g = 0; g < step.groups.size(); ++g) {
-      const size_t count = n * size_t(step.groups[g].size()), first = read_.symbols.size();
-      read_.symbols.resize(first + count);  // within what was reserved: pointers stay good
-      coded_[s][g].symbols = read_.symbols.data() + first;
-      const double before = decoder_.content();
-      const Reading reading = read_zero_centred(decoder_, tables_, coded_[s][g].tables.data(), int64_t(count),
-                                                read_.symbols.data() + first);
-      read_.bits[number++] += decoder_.content() - before;
+      Coded &coded = coded_[s][g];
+      const AttributeRun run{number++,          step.groups[g],      members,        coded.mean.data(),
+                             coded.step.data(), coded.tables.data(), inputs_.data(), stride_};
+      const size_t first = symbols_.size();
+      symbols_.resize(first + size_t(run.count()));  // within what was reserved: pointers stay good
+      coded.symbols = symbols_.data() + first;
+      const Reading reading = coder_.code(run, symbols_.data() + first);
       if (reading != Reading::kSound) return reading;
     }
     return Reading::kSound;
   }
 
-  RangeDecoder &decoder_;
+  AttributeSymbols &coder_;
   const AttributeModel &model_;
-  const ZeroCentred &tables_;
   const TileSeeds &seeds_;
   int threads_;
   int64_t *decoded_;
-  AttributesRead &read_;
+  std::vector<int32_t> &symbols_;
   AttributesView values_;
   std::vector<int16_t> summary_;  // [N, kSummary] of seeds of earlier passes, zeros for others
   int64_t stride_ = 0;
@@ -237,15 +237,33 @@ class AttributeReader {
 
 }  // namespace
 
-Reading read_attributes(RangeDecoder &decoder, const AttributeModel &model, const ZeroCentred &tables,
-                        const TileSeeds &seeds, int threads, int64_t *decoded, AttributesRead &read) {
-  size_t groups = 0;
-  for (const AttributeStep &step : model.steps) groups += step.groups.size();
-  read.bits.assign(groups, 0.0);
+TileSeeds::TileSeeds(const ContextSpec &context, const std::vector<int32_t> &corner,
+                     const std::vector<int8_t> &log_size)
+    : half_pixels(corner.size()), view{half_pixels.data(), log_size.data()}, count(int64_t(log_size.size())),
+      passes(coding_passes(context, corner, log_size)) {
+  for (size_t i = 0; i < corner.size(); ++i) half_pixels[i] = 2 * corner[i] + (int32_t(1) << log_size[i / 2]);
+}
+
+std::vector<std::vector<int32_t>> neighbours_by_pass(const TileSeeds &seeds, int ranks, Isa isa) {
+  NeighboursByPass neighbours(seeds, ranks, isa, false);
+  std::vector<std::vector<int32_t>> found;
+  for (size_t pass = 0; pass < seeds.passes.size(); ++pass) found.push_back(neighbours.next());
+  return found;
+}
+
+Reading code_attributes(AttributeSymbols &coder, const AttributeModel &model, const TileSeeds &seeds, int threads,
+                        int64_t *decoded, std::vector<int32_t> &symbols) {
   size_t members = 0;
   for (const std::vector<int64_t> &pass : seeds.passes) members += pass.size();
-  read.symbols.reserve(members * size_t(model.attributes));
-  return AttributeReader(decoder, model, tables, seeds, threads, decoded, read).read_all();
+  symbols.reserve(members * size_t(model.attributes));
+  return AttributeWalk(coder, model, seeds, threads, decoded, symbols).code_all();
+}
+
+Reading AttributeReader::code(const AttributeRun &run, int32_t *symbols) {
+  const double before = decoder_.content();
+  const Reading reading = read_zero_centred(decoder_, tables_, run.tables, run.count(), symbols);
+  bits[run.number] += decoder_.content() - before;
+  return reading;
 }
 
 }  // namespace sgi

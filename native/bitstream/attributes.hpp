@@ -1,0 +1,97 @@
+// All attributes of a tile's seeds, pass after pass (docs/format.md, "Passes"): the one walk of reading and writing.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "bitstream/read_symbols.hpp"
+#include "model/context.hpp"
+#include "model/hash_grid.hpp"
+#include "model/network.hpp"
+
+namespace sgi {
+
+// A group of attributes: how MLP_p's outputs predict it and where it goes.
+struct AttributeGroup {
+  std::vector<int64_t> base;     // [size, kLevels] base step index of each attribute
+  std::vector<int64_t> columns;  // [size] which of the group's predictions belongs to each
+  int64_t gamma;
+  bool follows_amplitude;
+  int64_t prediction, refinement;  // its first mean, and its refinement, among those of the step
+  int64_t first;                   // its first column
+
+  int size() const { return int(columns.size()); }
+};
+
+// A coding step: one network, and the groups that it predicts.
+struct AttributeStep {
+  std::unique_ptr<Network> network;
+  int inputs, predicted;
+  std::vector<AttributeGroup> groups;
+};
+
+struct AttributeModel {
+  std::vector<AttributeStep> steps;
+  int64_t attributes;  // d_A
+  int channels, colour, shape;
+  int quality, ranks;   // of neighbours, 0 for none
+  int16_t first_table;  // of the family
+  Isa isa;
+  const HashGrid *grid = nullptr;  // null for none
+  const uint8_t *grid_signs = nullptr;
+};
+
+// Seeds in cells with these corners [N, 2] and log2 of sides [N], which must outlive it, and the passes that code them.
+struct TileSeeds {
+  TileSeeds(const ContextSpec &context, const std::vector<int32_t> &corner, const std::vector<int8_t> &log_size);
+
+  std::vector<int32_t> half_pixels;  // [N, 2] of centres
+  SeedsView view;
+  int64_t count;
+  std::vector<std::vector<int64_t>> passes;
+};
+
+// Of every pass the nearest seeds of earlier ones [n, ranks], nearest first, -1 where there is none.
+std::vector<std::vector<int32_t>> neighbours_by_pass(const TileSeeds &seeds, int ranks, Isa isa);
+
+// Symbols of a group for the seeds of a pass [n, size], and how they are coded.
+struct AttributeRun {
+  size_t number;  // of the group, in coding order
+  const AttributeGroup &group;
+  const std::vector<int64_t> &members;
+  const int64_t *mean, *step;  // [n, size]
+  const int16_t *tables;       // [n, size]
+  const int16_t *inputs;       // what the network saw: rows `stride` apart
+  int64_t stride;
+
+  int64_t count() const { return int64_t(members.size()) * group.size(); }
+};
+
+// Says what symbols are, one run after the other.
+class AttributeSymbols {
+ public:
+  virtual ~AttributeSymbols() = default;
+  virtual Reading code(const AttributeRun &run, int32_t *symbols) = 0;
+};
+
+// Writes decoded [N, attributes], units of 2^-24, but for seeds of no pass; all symbols in coding order. With two
+// threads or more the neighbours of a pass are searched while the one before is coded.
+Reading code_attributes(AttributeSymbols &coder, const AttributeModel &model, const TileSeeds &seeds, int threads,
+                        int64_t *decoded, std::vector<int32_t> &symbols);
+
+// The symbols of a payload.
+class AttributeReader : public AttributeSymbols {
+ public:
+  AttributeReader(RangeDecoder &decoder, const ZeroCentred &tables, size_t groups)
+      : bits(groups), decoder_(decoder), tables_(tables) {}
+  Reading code(const AttributeRun &run, int32_t *symbols) override;
+
+  std::vector<double> bits;  // information content of every group
+
+ private:
+  RangeDecoder &decoder_;
+  const ZeroCentred &tables_;
+};
+
+}  // namespace sgi

@@ -1,0 +1,69 @@
+"""The amplitude index of a seed against docs/format.md, in Python's integers."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from sgicodec.bitstream.header import Header
+from sgicodec.bitstream.limits import network_shapes
+from sgicodec.bitstream.parts.attributes import quantise_attributes
+from sgicodec.model.layout import SeedLayout
+from sgicodec.model.network import IntNetwork
+from sgicodec.model.quantization import STEP_COUNT, STEP_ZERO, step_index
+from sgicodec.model.steps import StepPlan, default_plan
+from sgicodec.profiles.default import default_spec
+
+CHANNELS = 32
+SPEC = replace(default_spec(CHANNELS, prior=0), luma_space=False)
+
+
+def root(value: int, degree: int) -> int:
+    """Floor of the degree-th root, exactly."""
+    low, high = 0, 1 << (value.bit_length() // degree + 1)
+    while high - low > 1:
+        middle = (low + high) // 2
+        low, high = (middle, high) if middle**degree <= value else (low, middle)
+    return low
+
+
+def shape_steps(colours: list[list[int]], base: int) -> np.ndarray:
+    """Indices of the steps of seeds' shapes: `base` less the amplitude index and 20, where nothing is predicted. The
+    colours are integers in units of 2^-12.
+    """
+    shapes = [network_shapes(SPEC, step) for step in range(3)]
+    networks = tuple(
+        IntNetwork(**{name: np.zeros(shape, np.int64) for name, shape in step.items()}, shift=8, predicted=count)
+        for step, count in zip(shapes, (3, 3, 2), strict=True)
+    )
+    plan = default_plan(SPEC, 0)
+    bases = {name: np.full_like(b, STEP_ZERO - 72 if name == "colour" else base) for name, b in plan.base.items()}
+    n = len(colours)
+    corner = np.stack([2 * np.arange(n), np.zeros(n)], axis=1).astype(np.int32)
+    layout = SeedLayout(corner, np.ones(n, np.int8))
+    header = Header(2 * n, 2, "multi", "uint8", (0.0, 255.0), "default", SPEC, 0, 0)
+    values = {"colour": np.array(colours) / 2.0**12, "shape": np.zeros((n, 3)), "offset": np.zeros((n, 2))}
+    coded = quantise_attributes(header, layout, StepPlan(bases, plan.gamma), networks, [], values)
+    assert np.array_equal(coded.decoded[:, :CHANNELS], np.array(colours) << 12)
+    steps = np.concatenate([run.steps for run in coded.runs if run.group == "shape"])[:, 0]
+    order = np.argsort(np.concatenate([np.arange(n)[start::2] for start in (0, 1)]))  # even places are coded first
+    return step_index(steps * 2.0**-24)[order]
+
+
+@pytest.mark.parametrize("offset", [-1, 0, 1, 2])
+def test_amplitude_index_at_every_boundary(offset: int) -> None:
+    """Energies on both sides of 2^(third / 3), as sums of squares."""
+    energies = [max(1, root(2**third, 3) + offset) for third in range(127)]
+    colours = []
+    for energy in energies:
+        parts, rest = [], energy
+        while rest:
+            parts.append(min(math.isqrt(rest), 2**20))
+            rest -= parts[-1] ** 2
+        colours.append(parts + [0] * (CHANNELS - len(parts)))
+    low, high = shape_steps(colours, 0), shape_steps(colours, STEP_COUNT - 1)
+    found = np.where(low > 0, -low, STEP_COUNT - 1 - high) - 20
+    assert found.tolist() == [(energy**3).bit_length() - 73 for energy in energies]
