@@ -15,7 +15,7 @@ import { placeOf } from "./bytes.js";
 import { PictureDecoder } from "./picture_decoder.js";
 import { IiifDecoder } from "./iiif_decoder.js";
 import { StreamDecoder } from "./stream_decoder.js";
-import { hasModule } from "./wasm.js";
+import { hasModule } from "./module.js";
 
 const SIGNATURE = [0x89, 0x53, 0x47, 0x49, 0x0d, 0x0a, 0x1a, 0x0a]; // docs/format.md
 

@@ -1,6 +1,6 @@
 /** A stream, decoded by libsgi in workers. */
 
-import { loadModule } from "./wasm.js";
+import { loadModule } from "./module.js";
 import { WorkerPool } from "./worker_pool.js";
 import { SgiError } from "./errors.js";
 

@@ -2,7 +2,7 @@
 
 import { ByteReader } from "./byte_reader.js";
 import { outlines } from "./ellipses.js";
-import { Library } from "./wasm.js";
+import { Library } from "./library.js";
 
 let library, reader, stream;
 

@@ -5,7 +5,7 @@ import { readFileSync } from "node:fs";
 import { join } from "node:path";
 import { test } from "node:test";
 import { brotliCompressSync, constants, gzipSync } from "node:zlib";
-import { Library } from "../src/wasm.js";
+import { Library } from "../src/library.js";
 import { GOLDEN, ROOT, decoded, decodedBands } from "./command.js";
 import { farthest } from "./pixels.js";
 import { rgba } from "./png.js";

@@ -1,32 +1,9 @@
-/** libsgi as WebAssembly: which build the browser takes, and its functions as JavaScript calls. */
+/** The functions of libsgi's WebAssembly as JavaScript calls. */
 
-const BUILDS = { simd: "wasm/sgi.wasm", scalar: "wasm/sgi-scalar.wasm" };
-const SIMD = new Uint8Array([
-  0, 97, 115, 109, 1, 0, 0, 0, 1, 5, 1, 96, 0, 1, 123, 3, 2, 1, 0, 10, 10, 1, 8, 0, 65, 0, 253, 15, 253, 98, 11,
-]); // a function that uses a vector of 128 bits
 const NOT_THERE = 52; // ENOSYS of WASI
 const CACHE = 96 << 20; // bytes of decoded tiles that one worker keeps
 const FACTS = 16; // numbers that viewer_info writes
 const MOST_ELLIPSES = 20000;
-
-let module_;
-
-/** The compiled module, or null where there is none: then a server has to draw. */
-export function loadModule() {
-  module_ ??= compiled().catch(() => null);
-  return module_;
-}
-
-export async function hasModule() {
-  return (await loadModule()) !== null;
-}
-
-async function compiled() {
-  const build = WebAssembly.validate(SIMD) ? BUILDS.simd : BUILDS.scalar;
-  const answer = await fetch(new URL(build, import.meta.url));
-  if (!answer.ok) return null;
-  return WebAssembly.compile(await answer.arrayBuffer());
-}
 
 /** One instance. `reader` has read(offset, count), which gives an array of bytes or throws. */
 export class Library {
