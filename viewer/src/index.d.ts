@@ -37,6 +37,9 @@ export interface Decoder {
 /** Opens a stream, or another picture that the browser reads. Rejects with an SgiError. */
 export function openDecoder(source: string | Blob): Promise<Decoder>;
 
+/** A picture as an ImageBitmap, with `width` pixels across; without, as many as it has. Decoded in the page's workers. */
+export function decode(source: string | Blob, options?: { width?: number }): Promise<ImageBitmap>;
+
 export interface Camera {
   x: number;
   y: number;

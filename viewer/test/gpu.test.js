@@ -61,10 +61,10 @@ for (const name of NAMES.filter((one) => !one.startsWith("rgba"))) {
   test(`${name}: a region drawn by the GPU is what sgi decode draws, and moving asks no worker`, async () => {
     const page = await opened(name);
     await page.evaluate(() => {
-      const { pool } = sgiViewer.scene.decoder;
-      const run = pool.run.bind(pool);
+      const { file } = sgiViewer.scene.decoder;
+      const run = file.run.bind(file);
       globalThis.asked = [];
-      pool.run = (task, ...rest) => asked.push(task) && run(task, ...rest);
+      file.run = (task, ...rest) => asked.push(task) && run(task, ...rest);
     });
     for (const view of name === NAMES[0] ? VIEWS : VIEWS.slice(2, 5)) {
       await matches(page, name, view);

@@ -14,7 +14,7 @@ import { serve } from "./server.js";
 
 const VIEWER = join(ROOT, "viewer");
 const NAME = "rgb8-texture.sgi";
-const ASSETS = ["worker=sgi-viewer/worker", "picture_worker=sgi-viewer/picture-worker", "wasm/sgi=sgi-viewer/sgi.wasm", "wasm/sgi-scalar=sgi-viewer/sgi-scalar.wasm"];
+const ASSETS = ["worker=sgi-viewer/worker", "wasm/sgi=sgi-viewer/sgi.wasm", "wasm/sgi-scalar=sgi-viewer/sgi-scalar.wasm"];
 const PAGE = `<!doctype html><meta charset="utf-8"><link rel="icon" href="data:,">
 <style>body { margin: 0; } canvas { position: absolute; inset: 0; width: 192px; height: 128px; }</style>
 <canvas id="picture"></canvas>`;
