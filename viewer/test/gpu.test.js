@@ -191,7 +191,7 @@ test("a key switches between both", async () => {
 test("a GPU that is lost and comes back", async () => {
   const page = await opened("rgb8-texture");
   await matches(page, "rgb8-texture", VIEWS[2]);
-  await page.evaluate(() => (globalThis.lost = sgiViewer.scene.stage.made.device.gl.getExtension("WEBGL_lose_context")).loseContext());
+  await page.evaluate(() => (globalThis.lost = sgiViewer.scene.stage.renderer.device.gl.getExtension("WEBGL_lose_context")).loseContext());
   await page.waitForFunction(() => sgiViewer.scene.drawnBy === "CPU");
   assert.match(await page.getAttribute("#drawing", "title"), /has taken the GPU away/);
   await matches(page, "rgb8-texture", VIEWS[0]);
