@@ -64,3 +64,6 @@ export class Scene extends EventTarget {
   move(change: (camera: Camera) => void): void;
   close(): void;
 }
+
+/** Has `<img src="a.sgi">` show: registers the service worker of a URL on the page's own site. */
+export function showImages(url: string | URL): Promise<void>;

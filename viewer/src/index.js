@@ -2,3 +2,4 @@
 export { decode, openDecoder } from "./decoder.js";
 export { Scene } from "./scene.js";
 export { SgiError } from "./errors.js";
+export { showImages } from "./images.js";
