@@ -14,6 +14,7 @@ addEventListener("fetch", (event) => {
 async function picture(url) {
   try {
     const [module, answer] = await Promise.all([loadModule(), fetch(url)]);
+    if (!answer.ok) return answer;
     const width = Number(url.searchParams.get("width")) || undefined;
     const { width: columns, height, data } = decodeHere(module, new Uint8Array(await answer.arrayBuffer()), width);
     const canvas = new OffscreenCanvas(columns, height);

@@ -5,7 +5,8 @@ import { SgiError, sentence } from "./errors.js";
 
 /** The view of all of a picture, with `columns` pixels across. */
 export function wholeView({ width, height }, columns = width) {
-  return { x: 0, y: 0, width, height, columns, rows: Math.max(1, Math.round((height * columns) / width)) };
+  const pixels = (count) => Math.max(1, Math.round(count));
+  return { x: 0, y: 0, width, height, columns: pixels(columns), rows: pixels((height * columns) / width) };
 }
 
 /** Decodes a stream in this thread: {width, height, data}, as of ImageData. */

@@ -103,3 +103,28 @@ test("a file that cannot be decoded: a sentence, and the others come", async (co
   }, ["/files/absent.sgi", "/blank.html", `/files/${NAME}`]);
   assert.deepEqual(found, ["The server has no such file.", "The file is no .sgi stream, and no picture that this browser can show.", 192]);
 });
+
+test("a worker that ends without a word: a sentence, and another one takes its place", async (context) => {
+  const script = `{
+    const Made = globalThis.Worker;
+    globalThis.Worker = class extends Made {
+      postMessage(...all) {
+        if (globalThis.isBroken || all[0].task !== "draw") return super.postMessage(...all);
+        globalThis.isBroken = true;
+        this.onerror({});
+      }
+    };
+  }`;
+  const page = await pageOf(browser, `${server.address}/blank.html`, { script });
+  context.after(() => page.context().close());
+  const found = await page.evaluate(async (name) => {
+    const { decode } = await import("/src/index.js");
+    const first = await decode(name).catch(({ message }) => message);
+    return [first, (await decode(name)).width];
+  }, `/files/${NAME}`);
+  assert.deepEqual(found, ["The decoder ended without a word; there may be too little memory.", 192]);
+});
+
+test("servers and Node can load what pages import", async () => {
+  for (const name of ["index", "element", "sgi_tile_source"]) await import(`../src/${name}.js`);
+});
