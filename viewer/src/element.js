@@ -14,7 +14,8 @@ let watcher;
 
 /** Calls near(isNear) of an element when it comes near the view, and when it leaves. One observer serves all. */
 function watch(element) {
-  watcher ??= new IntersectionObserver((entries) => entries.forEach(({ target, isIntersecting }) => target.near(isIntersecting)), { rootMargin: NEAR });
+  const tell = (entries) => entries.forEach(({ target, isIntersecting }) => target.near(isIntersecting));
+  watcher ??= new IntersectionObserver(tell, { rootMargin: NEAR });
   watcher.observe(element);
 }
 
@@ -87,7 +88,8 @@ export class SgiImage extends (globalThis.HTMLElement ?? Object) {
   async load() {
     if (this.isLoading) return;
     this.isLoading = true;
-    while (this.isNear && this.src && (this.shown !== this.src || this.columns < this.pixels)) await this.show(this.src);
+    const isWanted = () => this.isNear && this.src && (this.shown !== this.src || this.columns < this.pixels);
+    while (isWanted()) await this.show(this.src);
     this.isLoading = false;
   }
 

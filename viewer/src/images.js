@@ -1,6 +1,6 @@
 /** Has <img src="a.sgi"> show, by a service worker (service_worker.js). */
 
-/** Registers the worker of a URL on the page's site, and loads again the images that were asked for before it was there. */
+/** Registers the worker of a URL on the page's site, and loads again the images that were asked for before that. */
 export async function showImages(url) {
   const container = navigator.serviceWorker;
   const controlled = new Promise((resolve) => {

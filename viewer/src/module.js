@@ -18,7 +18,8 @@ export async function hasModule() {
 
 /** Where the build lies. Bundlers find it by these literals. */
 export function buildUrl() {
-  return WebAssembly.validate(SIMD) ? new URL("./wasm/sgi.wasm", import.meta.url) : new URL("./wasm/sgi-scalar.wasm", import.meta.url);
+  if (WebAssembly.validate(SIMD)) return new URL("./wasm/sgi.wasm", import.meta.url);
+  return new URL("./wasm/sgi-scalar.wasm", import.meta.url);
 }
 
 async function compiled() {

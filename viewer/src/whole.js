@@ -12,7 +12,8 @@ export function wholeView({ width, height }, columns = width) {
 /** Decodes a stream in this thread: {width, height, data}, as of ImageData. */
 export function decodeHere(module, bytes, width) {
   try {
-    const stream = new Library(module).open({ size: bytes.length, read: (offset, count) => bytes.subarray(offset, offset + count) });
+    const reader = { size: bytes.length, read: (offset, count) => bytes.subarray(offset, offset + count) };
+    const stream = new Library(module).open(reader);
     const view = wholeView(stream.info, width);
     return { width: view.columns, height: view.rows, data: stream.draw(view) };
   } catch (error) {

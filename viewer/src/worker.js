@@ -1,4 +1,4 @@
-/** A worker of the pool: it decodes streams by one instance of the library, and draws pictures that the browser reads. */
+/** A worker of the pool: one instance of the library decodes its streams; it also draws what the browser reads. */
 
 import { ByteReader } from "./byte_reader.js";
 import { outlines } from "./ellipses.js";
@@ -18,7 +18,8 @@ self.onmessage = async ({ data: { file, opening, task, view } }) => {
   try {
     if (opening) files.set(file, await (opening.module ? OpenStream : OpenPicture).open(opening));
     const answer = await files.get(file)[task](view);
-    moved = [answer.bitmap ?? answer, answer.buffer].filter((part) => part instanceof ImageBitmap || part instanceof ArrayBuffer);
+    const isMoved = (part) => part instanceof ImageBitmap || part instanceof ArrayBuffer;
+    moved = [answer.bitmap ?? answer, answer.buffer].filter(isMoved);
     reply = { answer };
   } catch (error) {
     reply = { error: String(error?.message ?? error), isBroken: error instanceof WebAssembly.RuntimeError };

@@ -64,7 +64,8 @@ class WorkerPool {
     entry.worker.onmessage = ({ data }) => this.done(entry, data);
     entry.worker.onerror = (event) => {
       event.preventDefault?.();
-      this.done(entry, { error: "The decoder ended without a word; there may be too little memory.", isBroken: true, fetched: 0 });
+      const error = "The decoder ended without a word; there may be too little memory.";
+      this.done(entry, { error, isBroken: true, fetched: 0 });
     };
   }
 
