@@ -72,8 +72,9 @@ def serve(
     from sgicodec.server.public_address import checked_address
     from sgicodec.server.run import address_of, listening
     from sgicodec.server.run import serve as run
-    from sgicodec.server.viewer import viewer_folder
+    from sgicodec.server.viewer import missing_decoder, viewer_folder
 
+    viewer = viewer_folder()
     settings = Settings(
         most_pixels=max_pixels,
         jobs=jobs,
@@ -81,9 +82,11 @@ def serve(
         streams=streams,
         max_age=max_age,
         address=None if url is None else checked_address(url),
-        viewer=viewer_folder(),
+        viewer=viewer,
     )
     app = application(Folder(folder), settings)
     listener = listening(host, port)
-    text = f"serving {folder} at {address_of(listener)}/ (Ctrl-C ends it)"
-    run(app, listener, lambda: click.echo(text, err=True), quiet)
+    lines = [f"serving {folder} at {address_of(listener)}/ (Ctrl-C ends it)"]
+    if viewer is not None and (note := missing_decoder(viewer)):
+        lines.append(f"sgi: {note}")
+    run(app, listener, lambda: click.echo("\n".join(lines), err=True), quiet)

@@ -44,7 +44,7 @@ def view(source: str, other: str | None, no_browser: bool, port: int, threads: i
     from sgicodec.server.app import Settings, application
     from sgicodec.server.catalog import ListedFiles
     from sgicodec.server.run import address_of, listening, serve
-    from sgicodec.server.viewer import viewer_folder
+    from sgicodec.server.viewer import missing_decoder, viewer_folder
 
     viewer = viewer_folder()
     if viewer is None:
@@ -61,6 +61,8 @@ def view(source: str, other: str | None, no_browser: bool, port: int, threads: i
 
     def show() -> None:
         click.echo(address)
+        if note := missing_decoder(viewer):
+            click.echo(f"sgi: {note}", err=True)
         if not no_browser and not webbrowser.open(address):
             click.echo("sgi: there is no browser to open; open the address above", err=True)
 

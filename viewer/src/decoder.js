@@ -15,12 +15,13 @@ import { placeOf } from "./bytes.js";
 import { PictureDecoder } from "./picture_decoder.js";
 import { IiifDecoder } from "./iiif_decoder.js";
 import { StreamDecoder } from "./stream_decoder.js";
-import { hasModule } from "./wasm.js";
+import { hasModule } from "./module.js";
+import { wholeView } from "./whole.js";
 
 const SIGNATURE = [0x89, 0x53, 0x47, 0x49, 0x0d, 0x0a, 0x1a, 0x0a]; // docs/format.md
 
 /** Opens a File, a Blob or a URL: a stream by its first bytes, else what the browser can read. */
-export async function openDecoder(source, options = {}) {
+export async function openDecoder(source) {
   if (typeof source === "string" && !(await hasModule())) {
     const iiif = await IiifDecoder.open(source);
     if (iiif) return iiif;
@@ -28,8 +29,18 @@ export async function openDecoder(source, options = {}) {
   const { place, fetched, name } = await placeOf(source);
   const start = await firstBytes(place);
   const isStream = SIGNATURE.every((byte, at) => start[at] === byte);
-  if (isStream) return StreamDecoder.open(place, fetched, name, options);
+  if (isStream) return StreamDecoder.open(place, fetched, name);
   return PictureDecoder.open(source, place, fetched, name);
+}
+
+/** A picture as an ImageBitmap, with `width` pixels across: as many as it has, where nothing is said. */
+export async function decode(source, { width } = {}) {
+  const decoder = await openDecoder(source);
+  try {
+    return await decoder.draw(wholeView(decoder.info, width), 0).promise;
+  } finally {
+    decoder.close();
+  }
 }
 
 async function firstBytes(place) {

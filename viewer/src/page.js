@@ -58,6 +58,7 @@ function showNumbers() {
   part("scale").textContent = scale >= 1 ? `${round(scale)}×` : `1/${round(1 / scale)}`;
   if (scene.decoder.info.kind === "server") {
     part("bytes").textContent = `${megabytes(scene.bytes)}, drawn by the server`;
+    part("bytes").title = "This installation lacks the decoder's WebAssembly, or this browser has none.";
     return;
   }
   const share = (100 * scene.fetched) / scene.bytes;

@@ -1,7 +1,9 @@
 /** A picture that the browser itself can read, to compare a stream with; a worker reads and draws it. */
 
 import { SgiError } from "./errors.js";
-import { WorkerPool } from "./worker_pool.js";
+import { openFile } from "./worker_pool.js";
+
+const LANE = 0; // one worker holds all pixels
 
 export class PictureDecoder {
   static async open(source, place, fetched, name) {
@@ -10,24 +12,24 @@ export class PictureDecoder {
       blob = await (await fetch(place.url)).blob();
       fetched = blob.size;
     }
-    const pool = new WorkerPool(1, { place: blob }, drawer);
+    const file = openFile({ place: blob });
     try {
-      const { width, height } = await pool.opened;
+      const { width, height } = await file.run("info", null, -Infinity, LANE).promise;
       const info = { width, height, name, kind: "picture", bytes: blob.size, tileSize: 0, tiles: 1, hasOverview: false };
-      return new PictureDecoder(pool, info, fetched);
+      return new PictureDecoder(file, info, fetched);
     } catch {
-      pool.close();
+      file.close();
       throw new SgiError("The file is no .sgi stream, and no picture that this browser can show.");
     }
   }
 
-  constructor(pool, info, fetched) {
-    Object.assign(this, { pool, info, fetched });
+  constructor(file, info, fetched) {
+    Object.assign(this, { file, info, fetched });
     this.isContinuous = true;
   }
 
   draw(view, priority) {
-    return this.pool.run("draw", view, priority);
+    return this.file.run("draw", view, priority, LANE);
   }
 
   async ellipses() {
@@ -35,11 +37,6 @@ export class PictureDecoder {
   }
 
   close() {
-    this.pool.close();
+    this.file.close();
   }
-}
-
-/** One for each picture: it holds all pixels, and the page stays free. */
-function drawer() {
-  return new Worker(new URL("./picture_worker.js", import.meta.url), { type: "module" });
 }

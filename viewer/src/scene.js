@@ -13,7 +13,7 @@ export class Scene extends EventTarget {
     super();
     this.canvas = canvas;
     this.context = canvas.getContext("2d");
-    this.stage = new Stage(canvas, () => this.dirty());
+    this.stage = new Stage(() => this.dirty());
     this.camera = new Camera();
     this.layers = [];
     this.failed = (error) => this.dispatchEvent(new CustomEvent("failed", { detail: error }));
@@ -148,7 +148,7 @@ export class Scene extends EventTarget {
       return { shown, camera: this.cameraOf(number), first, stop };
     });
     if (!parts.length) {
-      this.stage.clear();
+      this.stage.shows = "";
       return plans;
     }
     const { width, height } = this.canvas;
@@ -185,6 +185,7 @@ export class Scene extends EventTarget {
     const plans = this.drawByGpu();
     context.setTransform(1, 0, 0, 1, 0, 0);
     context.clearRect(0, 0, canvas.width, canvas.height);
+    if (this.stage.shows) context.drawImage(this.stage.canvas, 0, 0);
     context.imageSmoothingEnabled = true;
     context.imageSmoothingQuality = "low"; // tiles have at most twice the screen's pixels; more costs frames
     for (const [number, layer] of this.layers.entries()) {

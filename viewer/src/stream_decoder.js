@@ -1,58 +1,57 @@
 /** A stream, decoded by libsgi in workers. */
 
-import { loadModule } from "./wasm.js";
-import { WorkerPool } from "./worker_pool.js";
+import { loadModule } from "./module.js";
+import { openFile } from "./worker_pool.js";
 import { SgiError } from "./errors.js";
 
 const OVERVIEW = 16; // pixels of the picture's side for each of its overview's
 const MOST_TILES = 6; // whose ellipses are shown at a time
 
 export class StreamDecoder {
-  static async open(place, fetched, name, { workers } = {}) {
+  static async open(place, fetched, name) {
     const module = await loadModule();
     if (!module) throw new SgiError("The decoder's WebAssembly is missing from this installation, or this browser has none.");
-    const count = workers ?? Math.max(1, Math.min(4, (navigator.hardwareConcurrency ?? 2) - 1));
-    const pool = new WorkerPool(count, { module, place }, decoder);
+    const file = openFile({ module, place });
     try {
-      const info = await pool.opened;
-      return new StreamDecoder(pool, { ...info, name, kind: "stream", bytes: place.size }, fetched);
+      const info = await file.run("info", null, -Infinity).promise;
+      return new StreamDecoder(file, { ...info, name, kind: "stream", bytes: place.size }, fetched);
     } catch (error) {
-      pool.close();
+      file.close();
       throw error;
     }
   }
 
-  constructor(pool, info, fetched) {
-    this.pool = pool;
+  constructor(file, info, fetched) {
+    this.file = file;
     this.info = info;
     this.before = fetched;
     this.isContinuous = true;
   }
 
   get fetched() {
-    return this.before + this.pool.fetched;
+    return this.before + this.file.fetched;
   }
 
   draw(view, priority) {
-    return this.pool.run("draw", view, priority, this.lane(view));
+    return this.file.run("draw", view, priority, this.lane(view));
   }
 
   /** What a tile of the file draws (gpu/tile.js). */
   model(number, priority) {
     const { width, tileSize } = this.info;
     const across = tileSize ? Math.ceil(width / tileSize) : 1;
-    return this.pool.run("model", { number }, priority, (number % across) + 2 * Math.floor(number / across));
+    return this.file.run("model", { number }, priority, (number % across) + 2 * Math.floor(number / across));
   }
 
   /** A picture of a region's ellipses on the screen; null where it has too many tiles to decode for it. */
   async ellipses(region, place) {
     const { tiles, tileSize } = this.info;
     if (tiles > 1 && region.width * region.height > MOST_TILES * tileSize ** 2) return null;
-    return this.pool.run("ellipses", { region, place }, 1e9, this.lane({ ...region, columns: Infinity })).promise;
+    return this.file.run("ellipses", { region, place }, 1e9, this.lane({ ...region, columns: Infinity })).promise;
   }
 
   close() {
-    this.pool.close();
+    this.file.close();
   }
 
   /** The same worker for the same tile of the file, so that no two fetch and decode it. */
@@ -65,8 +64,4 @@ export class StreamDecoder {
     const row = place(y + height / 2, this.info.height);
     return Math.max(0, column + 2 * row);
   }
-}
-
-function decoder() {
-  return new Worker(new URL("./worker.js", import.meta.url), { type: "module" });
 }

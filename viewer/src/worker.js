@@ -1,38 +1,94 @@
-/** A worker that decodes one stream: one instance of the library, one call at a time. */
+/** A worker of the pool: one instance of the library decodes its streams; it also draws what the browser reads. */
 
 import { ByteReader } from "./byte_reader.js";
 import { outlines } from "./ellipses.js";
-import { Library } from "./wasm.js";
+import { Library } from "./library.js";
 
-let library, reader, stream;
+const files = new Map(); // number of the file -> OpenStream or OpenPicture
+let library;
 
-self.onmessage = async ({ data: { job, task, module, place, view } }) => {
-  try {
-    const [answer, moved] = await work(task, module, place, view);
-    self.postMessage({ job, answer, fetched: reader.fetched }, moved);
-  } catch (error) {
-    self.postMessage({ job, error: String(error?.message ?? error), fetched: reader?.fetched ?? 0 });
+self.onmessage = async ({ data: { file, opening, task, view } }) => {
+  if (task === "close") {
+    files.get(file)?.close();
+    return files.delete(file);
   }
+  const before = files.get(file)?.fetched ?? 0;
+  let reply;
+  let moved = [];
+  try {
+    if (opening) files.set(file, await (opening.module ? OpenStream : OpenPicture).open(opening));
+    const answer = await files.get(file)[task](view);
+    const isMoved = (part) => part instanceof ImageBitmap || part instanceof ArrayBuffer;
+    moved = [answer.bitmap ?? answer, answer.buffer].filter(isMoved);
+    reply = { answer };
+  } catch (error) {
+    reply = { error: String(error?.message ?? error), isBroken: error instanceof WebAssembly.RuntimeError };
+  }
+  self.postMessage({ ...reply, isOpen: files.has(file), fetched: (files.get(file)?.fetched ?? 0) - before }, moved);
 };
 
-async function work(task, module, place, view) {
-  if (task === "open") {
-    reader = new ByteReader(place);
-    library = new Library(module, reader);
-    const opened = library.open();
-    stream = opened.stream;
-    return [opened.info, []];
+class OpenStream {
+  static open({ module, place }) {
+    library ??= new Library(module);
+    const reader = new ByteReader(place);
+    return new OpenStream(reader, library.open(reader));
   }
-  if (task === "ellipses") {
-    const found = library.ellipses(stream, view.region);
-    const bitmap = outlines(found, view.place);
-    return [{ bitmap, count: found.count, total: found.total }, [bitmap]];
+
+  constructor(reader, stream) {
+    Object.assign(this, { reader, stream });
   }
-  if (task === "model") {
-    const numbers = library.model(stream, view.number);
-    return [numbers, [numbers.buffer]];
+
+  get fetched() {
+    return this.reader.fetched;
   }
-  const pixels = new ImageData(library.draw(stream, view), view.columns, view.rows);
-  const bitmap = await createImageBitmap(pixels);
-  return [bitmap, [bitmap]];
+
+  info() {
+    return this.stream.info;
+  }
+
+  draw(view) {
+    return createImageBitmap(new ImageData(this.stream.draw(view), view.columns, view.rows));
+  }
+
+  ellipses({ region, place }) {
+    const found = this.stream.ellipses(region);
+    return { bitmap: outlines(found, place), count: found.count, total: found.total };
+  }
+
+  model({ number }) {
+    return this.stream.model(number);
+  }
+
+  close() {
+    this.stream.close();
+  }
+}
+
+class OpenPicture {
+  static async open({ place }) {
+    return new OpenPicture(await createImageBitmap(place));
+  }
+
+  constructor(picture) {
+    this.picture = picture;
+    this.fetched = 0;
+  }
+
+  info() {
+    return { width: this.picture.width, height: this.picture.height };
+  }
+
+  draw({ x, y, width, height, columns, rows }) {
+    const canvas = new OffscreenCanvas(columns, rows);
+    const context = canvas.getContext("2d");
+    context.imageSmoothingQuality = "high";
+    const [sx, sy] = [columns / width, rows / height];
+    context.setTransform(sx, 0, 0, sy, -x * sx, -y * sy);
+    context.drawImage(this.picture, 0, 0);
+    return canvas.transferToImageBitmap();
+  }
+
+  close() {
+    this.picture.close();
+  }
 }

@@ -62,9 +62,9 @@ export function askedWhilePanning(page) {
     const { scene } = sgiViewer;
     scene.refine = () => (scene.timer = 0);
     const tasks = [];
-    const { pool } = scene.decoder;
-    const run = pool.run.bind(pool);
-    pool.run = (task, ...rest) => tasks.push(task) && run(task, ...rest);
+    const { file } = scene.decoder;
+    const run = file.run.bind(file);
+    file.run = (task, ...rest) => tasks.push(task) && run(task, ...rest);
     for (let step = 0; step < 8; step++) {
       scene.move((camera) => camera.pan(-8, 0));
       await new Promise((drawn) => scene.addEventListener("drawn", drawn, { once: true }));

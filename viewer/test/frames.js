@@ -14,9 +14,7 @@ export function contrasts(page, scale, mode) {
     const contrast = () => {
       const { width, height } = scene.canvas;
       copy.clearRect(0, 0, SIDE, SIDE);
-      for (const canvas of [scene.stage.canvas, scene.canvas]) {
-        if (canvas.width === width) copy.drawImage(canvas, (SIDE - width) >> 1, (SIDE - height) >> 1);
-      }
+      copy.drawImage(scene.canvas, (SIDE - width) >> 1, (SIDE - height) >> 1);
       const { data } = copy.getImageData(0, 0, SIDE, SIDE);
       let sum = 0;
       for (let at = 4; at < data.length; at += 4) if (at % (4 * SIDE)) sum += Math.abs(data[at + 1] - data[at - 3]);

@@ -61,10 +61,10 @@ for (const name of NAMES.filter((one) => !one.startsWith("rgba"))) {
   test(`${name}: a region drawn by the GPU is what sgi decode draws, and moving asks no worker`, async () => {
     const page = await opened(name);
     await page.evaluate(() => {
-      const { pool } = sgiViewer.scene.decoder;
-      const run = pool.run.bind(pool);
+      const { file } = sgiViewer.scene.decoder;
+      const run = file.run.bind(file);
       globalThis.asked = [];
-      pool.run = (task, ...rest) => asked.push(task) && run(task, ...rest);
+      file.run = (task, ...rest) => asked.push(task) && run(task, ...rest);
     });
     for (const view of name === NAMES[0] ? VIEWS : VIEWS.slice(2, 5)) {
       await matches(page, name, view);
@@ -191,7 +191,7 @@ test("a key switches between both", async () => {
 test("a GPU that is lost and comes back", async () => {
   const page = await opened("rgb8-texture");
   await matches(page, "rgb8-texture", VIEWS[2]);
-  await page.evaluate(() => (globalThis.lost = sgiViewer.scene.stage.made.device.gl.getExtension("WEBGL_lose_context")).loseContext());
+  await page.evaluate(() => (globalThis.lost = sgiViewer.scene.stage.renderer.device.gl.getExtension("WEBGL_lose_context")).loseContext());
   await page.waitForFunction(() => sgiViewer.scene.drawnBy === "CPU");
   assert.match(await page.getAttribute("#drawing", "title"), /has taken the GPU away/);
   await matches(page, "rgb8-texture", VIEWS[0]);

@@ -35,7 +35,7 @@ for (const [name, move] of Object.entries(moves)) {
 }
 const long = await longTasks(page);
 console.log(`tasks of more than 50 ms on the main thread: ${long.length ? long.join(", ") + " ms" : "none"}`);
-console.log(`pictures are drawn by ${await page.evaluate(() => sgiViewer.scene.decoder.pool.workers.length)} workers`);
+console.log(`pictures are drawn by ${await page.evaluate(() => sgiViewer.scene.decoder.file.pool.workers.length)} workers`);
 
 await browser.close();
 await server.close();

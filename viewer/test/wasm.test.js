@@ -5,7 +5,7 @@ import { readFileSync } from "node:fs";
 import { join } from "node:path";
 import { test } from "node:test";
 import { brotliCompressSync, constants, gzipSync } from "node:zlib";
-import { Library } from "../src/wasm.js";
+import { Library } from "../src/library.js";
 import { GOLDEN, ROOT, decoded, decodedBands } from "./command.js";
 import { farthest } from "./pixels.js";
 import { rgba } from "./png.js";
@@ -16,8 +16,8 @@ const IN_MANY = ["rgb8-texture", "rgb8-tiles-texture", "gray8-alpha", "rgba8-til
 const manifest = JSON.parse(readFileSync(join(GOLDEN, "manifest.json")));
 
 function opened(module, bytes) {
-  const library = new Library(module, { size: bytes.length, read: (offset, count) => bytes.subarray(offset, offset + count) });
-  return { library, ...library.open() };
+  const stream = new Library(module).open({ size: bytes.length, read: (offset, count) => bytes.subarray(offset, offset + count) });
+  return { stream, info: stream.info };
 }
 
 for (const build of ["sgi", "sgi-scalar"]) {
@@ -27,34 +27,34 @@ for (const build of ["sgi", "sgi-scalar"]) {
   test(`${build}: symbols of every golden stream`, () => {
     assert.ok(Object.keys(manifest).length >= 25);
     for (const [name, { symbol_crc, picture }] of Object.entries(manifest)) {
-      const { library, stream, info } = opened(module, readFileSync(join(GOLDEN, `${name}.sgi`)));
+      const { stream, info } = opened(module, readFileSync(join(GOLDEN, `${name}.sgi`)));
       assert.deepEqual([info.width, info.height], picture.slice(0, 2), name);
-      assert.equal(library.verify(stream).toString(16).padStart(8, "0"), symbol_crc, name);
+      assert.equal(stream.verify().toString(16).padStart(8, "0"), symbol_crc, name);
     }
   });
 
   test(`${build}: pixels of every golden stream are the command's`, () => {
     for (const [name, { picture }] of Object.entries(manifest)) {
       const path = join(GOLDEN, `${name}.sgi`);
-      const { library, stream, info } = opened(module, readFileSync(path));
+      const { stream, info } = opened(module, readFileSync(path));
       const isSmall = Math.min(info.width, info.height) < 28;
       for (const options of isSmall ? VIEWS.slice(0, 2) : IN_MANY.includes(name) ? VIEWS : [VIEWS[0], VIEWS.at(-1)]) {
         const expected = (picture[2] === "multi" ? decodedBands : decoded)(path, ...options);
         const { width: columns, height: rows } = expected;
         const region = options.includes("--region") ? { x: 8, y: 4, width: 40, height: 24 } : { x: 0, y: 0, ...info };
-        const found = library.draw(stream, { ...region, columns, rows });
+        const found = stream.draw({ ...region, columns, rows });
         assert.equal(farthest(found, rgba(expected)), 0, `${name} ${options}`);
       }
     }
   });
 
   test(`${build}: ellipses of a region`, () => {
-    const { library, stream, info } = opened(module, readFileSync(join(GOLDEN, "rgb8-tiles.sgi")));
-    const whole = library.ellipses(stream, { x: 0, y: 0, width: info.width, height: info.height });
+    const { stream, info } = opened(module, readFileSync(join(GOLDEN, "rgb8-tiles.sgi")));
+    const whole = stream.ellipses({ x: 0, y: 0, width: info.width, height: info.height });
     assert.ok(whole.total >= 0.9 * manifest["rgb8-tiles"].seeds * 0.5);
     assert.equal(whole.count, whole.total);
     const half = info.width / 2;
-    const parts = [0, half].map((x) => library.ellipses(stream, { x, y: 0, width: half, height: info.height }));
+    const parts = [0, half].map((x) => stream.ellipses({ x, y: 0, width: half, height: info.height }));
     assert.equal(parts[0].total + parts[1].total, whole.total);
     for (let at = 0; at < parts[0].count; at++) {
       const [x, , a, b] = parts[0].shapes.subarray(5 * at, 5 * at + 4);
@@ -64,12 +64,12 @@ for (const build of ["sgi", "sgi-scalar"]) {
 
   test(`${build}: the model of a tile`, () => {
     for (const name of ["rgb8", "rgb8-texture", "rgb8-restored", "gray16", "multi8", "float"]) {
-      const { library, stream, info } = opened(module, readFileSync(join(GOLDEN, `${name}.sgi`)));
+      const { stream, info } = opened(module, readFileSync(join(GOLDEN, `${name}.sgi`)));
       assert.ok(info.isPlain);
-      const numbers = library.model(stream, 0);
+      const numbers = stream.model(0);
       const [x, y, width, height, gaussians, side, columns, rows, cells, lines, atoms, restored] = numbers;
       assert.deepEqual([x, y, width, height], [0, 0, info.width, info.height]);
-      assert.equal(gaussians, library.ellipses(stream, { x: -1e4, y: -1e4, width: 2e4, height: 2e4 }).total, name);
+      assert.equal(gaussians, stream.ellipses({ x: -1e4, y: -1e4, width: 2e4, height: 2e4 }).total, name);
       assert.deepEqual([columns, rows], [Math.ceil(width / side), Math.ceil(height / side)]);
       assert.equal(numbers.length, 16 + 8 * gaussians + 4 * columns * rows + 8 * cells + 4 * lines + 4 * atoms);
       assert.equal(atoms > 0, name === "rgb8-texture" || name === "rgb8-restored");
@@ -86,11 +86,11 @@ for (const build of ["sgi", "sgi-scalar"]) {
     const flipped = Buffer.from(bytes);
     flipped[bytes.length >> 1] ^= 255;
     assert.throws(() => {
-      const { library, stream, info } = opened(module, flipped);
-      library.draw(stream, { x: 0, y: 0, ...info, columns: 8, rows: 8 });
+      const { stream, info } = opened(module, flipped);
+      stream.draw({ x: 0, y: 0, ...info, columns: 8, rows: 8 });
     }, /CRC|checksum/);
     const broken = { size: bytes.length, read: () => { throw new Error("the cable is cut"); } };
-    assert.throws(() => new Library(module, broken).open(), /the cable is cut/);
+    assert.throws(() => new Library(module).open(broken), /the cable is cut/);
   });
 
   test(`${build}: size`, (context) => {

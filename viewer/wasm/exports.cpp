@@ -1,4 +1,4 @@
-// What the viewer's workers call (viewer/src/wasm.js). Numbers cross as doubles and pointers; nothing throws.
+// What the viewer's workers call (viewer/src/library.js). Numbers cross as doubles and pointers; nothing throws.
 #include <emscripten.h>
 
 #include <algorithm>
