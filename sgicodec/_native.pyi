@@ -108,6 +108,9 @@ class Stream:
         """-1 without residual layer."""
 
     @property
+    def has_exact_views(self) -> bool: ...
+
+    @property
     def has_overview(self) -> bool: ...
 
     @property

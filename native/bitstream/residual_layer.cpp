@@ -48,9 +48,12 @@ bool code_block(const ResidualBlock &block, Isa isa, Bits &bits, float *samples)
 
 }  // namespace
 
+int64_t longest_residual_form(const Header &header) {
+  return sizeof(double) + 1 + header.spec.channels * int64_t(2 * (sizeof(double) + kMaxVarintBytes));
+}
+
 int64_t longest_residual_table(const Header &header) {
-  const int64_t form = sizeof(double) + 1 + header.spec.channels * int64_t(2 * (sizeof(double) + kMaxVarintBytes));
-  return form + count_of(header) * int64_t(kMaxVarintBytes + kCrcBytes);
+  return longest_residual_form(header) + count_of(header) * int64_t(kMaxVarintBytes + kCrcBytes);
 }
 
 ResidualForm read_residual_form(const Header &header, Bytes start, size_t &at) {

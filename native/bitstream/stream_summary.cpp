@@ -1,12 +1,12 @@
 #include "bitstream/stream_summary.hpp"
 
 #include <algorithm>
-#include <cstring>
 
 #include "base/error.hpp"
 #include "bitstream/chunk_kinds.hpp"
 #include "bitstream/container.hpp"
 #include "bitstream/index.hpp"
+#include "bitstream/residual_layer.hpp"
 
 namespace sgi {
 
@@ -24,14 +24,12 @@ bool jump(ChunkReader &chunks, const Chunk &first, std::map<std::string, int64_t
   return true;
 }
 
-// The first number of a residual layer.
-double max_error_of(ChunkReader &chunks, const Chunk &layer) {
-  double value;
-  const auto length = size_t(std::min<int64_t>(sizeof value, layer.length));
+// What a residual layer begins with.
+ResidualForm form_of(ChunkReader &chunks, const Header &header, const Chunk &layer) {
+  const auto length = size_t(std::min(longest_residual_form(header), layer.length));
   const auto start = chunks.size() ? chunks.peek(layer.begin(), length) : chunks.payload(layer);
-  if (start.size() < sizeof value) throw Error(Fault::corrupt, "residual layer: it ends too early");
-  std::memcpy(&value, start.data(), sizeof value);
-  return value;
+  size_t at = 0;
+  return read_residual_form(header, {start.data(), start.size()}, at);
 }
 
 }  // namespace
@@ -46,7 +44,10 @@ StreamSummary summarize(std::unique_ptr<ByteSource> source) {
       check_unlisted(found.header.grid().count());
     }
     found.chunk_bytes[{chunk.kind}] += int64_t(chunk.end() - chunk.offset);
-    if (chunk.kind == 'r') found.max_error = max_error_of(chunks, chunk);
+    if (chunk.kind == 'r') {
+      const ResidualForm form = form_of(chunks, found.header, chunk);
+      found.max_error = form.max_error, found.has_exact_views = form.has_views;
+    }
     if (chunk.kind == 'T' || chunk.kind == 'X' || chunk.kind == 'o' || chunk.kind == 'r') continue;
     const auto &payload = found.blobs[chunk.kind] = chunks.payload(chunk);
     if (chunk.kind == 'H') found.header = decode_header({payload.data(), payload.size()});

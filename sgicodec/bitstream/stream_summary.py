@@ -22,7 +22,8 @@ class StreamSummary:
         self.blobs: dict[str, bytes]
         self.chunk_bytes: dict[str, int]
         self.size: int
-        self.blobs, self.chunk_bytes, self.size, max_error = _native.summarize(source)
+        self.has_exact_views: bool
+        self.blobs, self.chunk_bytes, self.size, max_error, self.has_exact_views = _native.summarize(source)
         self.max_error: float | None = None if max_error < 0 else max_error
         """Levels by which no sample is off that a residual layer brings back; None without one."""
         self.header = decode_header(self.blobs["H"])

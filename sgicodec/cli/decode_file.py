@@ -28,6 +28,7 @@ from sgicodec.cli.paths import (
 from sgicodec.cli.pictures import Output, write_bands, write_picture, write_pyramid
 from sgicodec.cli.place import lost_in, lost_outside_tiff
 from sgicodec.cli.progress import Mode, row_progress
+from sgicodec.cli.residual import check_below
 from sgicodec.cli.views import ViewOptions
 from sgicodec.device import Device, room_left
 from sgicodec.errors import PictureError, UsageError
@@ -128,6 +129,8 @@ class DecodeJob:
             import_module(names[-1])
 
     def _write(self, stream: Stream, target: str, extension: str) -> Bands | Picture:
+        if self.lossy:
+            check_below(stream)
         stream.exact, stream.dither, stream.lossy = self.exact, self.dither, self.lossy
         from sgicodec.image.formats import find
 

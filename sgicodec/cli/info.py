@@ -104,6 +104,7 @@ def _facts(summary: StreamSummary | Stream, survey: Survey | None) -> dict[str, 
         "tiles": header.grid.count,
         "overview": overview_size(header.width, header.height) if summary.has_overview else None,
         "max_error": summary.max_error,
+        "exact_views": summary.has_exact_views,
         "metadata": metadata_bytes(summary.chunk_bytes),
         **_place_facts(summary),
         "settings": _settings(header),
@@ -166,6 +167,7 @@ def _lines(summary: StreamSummary | Stream, facts: Mapping[str, Any]) -> dict[st
     if facts["max_error"] is not None:
         unit = "" if facts["sample_type"] == "float32" else " levels"
         lines["samples"] = f"at most {facts['max_error']:g}{unit} off" if facts["max_error"] else "without loss"
+        lines["samples"] += ", in all views" * facts["exact_views"]
     if facts["metadata"]:
         lines["metadata"] = ", ".join(f"{name} {size:,} bytes" for name, size in facts["metadata"].items())
     if facts["seeds"] is not None:

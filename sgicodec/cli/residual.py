@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 from contextlib import ExitStack
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
@@ -12,8 +13,12 @@ from sgicodec.cli.command import HelpfulCommand
 from sgicodec.cli.options import complete_files, force_option, quiet_option, threads_option
 from sgicodec.cli.paths import check_output, display, naming_stream
 from sgicodec.device import Device
+from sgicodec.errors import UsageError
 
-__all__ = ["refine", "strip"]
+if TYPE_CHECKING:
+    from sgicodec.decoder.stream import Stream
+
+__all__ = ["check_below", "refine", "strip"]
 
 
 @click.command(
@@ -71,9 +76,15 @@ def strip(source: str, target: str, force: bool, quiet: bool) -> None:
     from sgicodec.decoder.stream import open_stream
 
     check_output(target, source, force)
-    with naming_stream(source), open_stream(_bytes_of(source)):
-        pass  # it is a stream
+    with naming_stream(source), open_stream(_bytes_of(source)) as stream:
+        check_below(stream)
     _rewritten(source, target, None, quiet)
+
+
+def check_below(stream: Stream) -> None:
+    """Raises UsageError where there is next to nothing below the residual layer of a stream."""
+    if stream.has_exact_views:
+        raise UsageError("its residual layer shows every view; there is next to nothing below it")
 
 
 def _bytes_of(source: str) -> bytes:

@@ -170,6 +170,11 @@ class Stream(ArrayView):
         return None if found < 0 else found
 
     @property
+    def has_exact_views(self) -> bool:
+        """Whether a residual layer shows every view: there is next to nothing below it."""
+        return bool(self._open_native().has_exact_views)
+
+    @property
     def symbol_crc(self) -> int:
         """CRC-32 of every decoded symbol of the tiles: equal on every machine."""
         return self.survey().symbol_crc

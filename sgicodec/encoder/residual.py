@@ -68,28 +68,29 @@ def with_exact_views(windows: Windows, plan: Plan) -> Plan:
     rects = list(_rects(header))
     if settings.max_error is None:
         rects = rects[:: -(-len(rects) // _SAMPLES)]
-    repeats = Repeats()
+    blocks, repeats = [], Repeats()
     for rect in rects:
-        repeats.see(windows.read(*rect).pixels)
+        blocks.append(windows.read(*rect).pixels)
+        repeats.see(blocks[-1])
+        if settings.max_error is not None:
+            blocks.clear()
     if not repeats.are_usual:
         return plan
     if settings.max_error is None:
-        if _bits_of_pixel(header, windows, rects) > 0.8 * 2 ** ((settings.chosen_quality - 50) / 20):
+        if _bits_of_pixel(header, blocks) > 0.8 * 2 ** ((settings.chosen_quality - 50) / 20):
             return plan
         plan = replace(plan, settings=replace(settings, max_error=0))
     plan = replace(plan, settings=replace(plan.settings, effort=1, steps=None))
     return plan.at(_LARGE_LMBDA, quality_index(_LARGE_LMBDA))
 
 
-def _bits_of_pixel(header: Header, windows: Windows, rects: list[Rect]) -> float:
+def _bits_of_pixel(header: Header, blocks: list[NDArray[Any]]) -> float:
     """What a residual layer takes of these blocks, without loss and whatever is drawn below."""
-    form = residual_form(header, (windows.read(*rect).pixels for rect in rects), 0)
-    bits, count = 0.0, 0
-    for rect in rects:
-        samples = _samples(windows.read(*rect).pixels)
-        coded, ones, _ = _native.code_residual(samples, np.zeros_like(samples), encode_header(header), form)
+    form, bits, count = residual_form(header, blocks, 0), 0.0, 0
+    for block in map(_samples, blocks):
+        coded, ones, _ = _native.code_residual(block, np.zeros_like(block), encode_header(header), form)
         bits -= float(np.log2(np.where(coded, ones, 65536 - ones) / 65536).sum())
-        count += rect[2] * rect[3]
+        count += block.shape[0] * block.shape[1]
     return bits / count
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 from click.testing import Result
+from PIL import Image
 
 from sgicodec import read
 
@@ -43,6 +44,23 @@ def test_it_is_added_and_taken_off(sgi: Run, picture: Path, tmp_path: Path) -> N
     assert 0 < np.abs(read(back).pixels.astype(int) - read(picture).pixels).max() <= 3
     assert sgi("strip", near, again, "--quiet").stdout == ""
     assert again.read_bytes() == plain.read_bytes()
+
+
+def test_text_is_left_whole(sgi: Run, tmp_path: Path) -> None:
+    page, out = tmp_path / "page.png", tmp_path / "page.sgi"
+    pixels = np.full((60, 80, 3), 255, np.uint8)
+    pixels[10:50:8, 6:70:3] = 30
+    Image.fromarray(pixels).save(page)
+    result = sgi("encode", page, out)
+    assert "without loss" in result.stdout
+    assert "without loss, in all views" in sgi("info", out).stdout
+    for refused in (("strip", out, tmp_path / "a.sgi"), ("decode", out, tmp_path / "a.png", "--lossy")):
+        result = sgi(*refused)
+        assert (result.exit_code, result.stderr.count("\n")) == (2, 1)
+        assert "next to nothing below" in result.stderr
+    assert sgi("decode", out, tmp_path / "half.png", "--scale", 0.5).exit_code == 0
+    half = pixels.reshape(30, 2, 40, 2, 3).mean(axis=(1, 3))
+    assert np.abs(read(tmp_path / "half.png").pixels - half).max() <= 0.5
 
 
 def test_refusals(sgi: Run, picture: Path, tmp_path: Path) -> None:
