@@ -12,7 +12,6 @@ from sgicodec.errors import SgiError
 __all__ = ["BENCHMARKS", "main"]
 
 BENCHMARKS = {
-    "speed": ("benchmarks.speed", "Seconds to encode, decode and start, on pictures."),
     "decode": ("benchmarks.decode", "What decoding costs, next to another version of the package."),
     "ladder": ("benchmarks.ladder", "What each effort takes and gives, beside AVIF and JPEG XL."),
     "raster": ("benchmarks.raster", "The native rasteriser's passes, next to the peak of the cores."),
