@@ -12,16 +12,12 @@ from sgicodec.errors import SgiError
 __all__ = ["BENCHMARKS", "main"]
 
 BENCHMARKS = {
-    "speed": ("benchmarks.speed", "Seconds to encode, decode and start, on pictures."),
     "decode": ("benchmarks.decode", "What decoding costs, next to another version of the package."),
     "ladder": ("benchmarks.ladder", "What each effort takes and gives, beside AVIF and JPEG XL."),
     "lossless": ("benchmarks.lossless", "Lossless and near-lossless bytes beside other codecs."),
-    "profile": ("benchmarks.profile", "Where the time of an encode goes, by module."),
     "raster": ("benchmarks.raster", "The native rasteriser's passes, next to the peak of the cores."),
     "cuda": ("benchmarks.cuda", "Check and measure the kernels on a GPU; count floors without."),
-    "scores": ("benchmarks.scores", "SSIMULACRA 2 of JPEG and JPEG XL, next to published scores."),
     "paper": ("benchmarks.paper.command", "The paper's tables, measured again beside its own figures."),
-    "paper-steps": ("benchmarks.paper_steps", "What a step of the paper profile takes, beside the rasteriser."),
     "figure": ("benchmarks.figure", "Draw the README's picture: original, sgi, JPEG of equal size."),
 }
 """Name on the command line → the module whose `main` is the command, and what it does."""

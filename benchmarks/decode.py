@@ -6,6 +6,7 @@ import json
 import statistics
 import subprocess
 import sys
+import tempfile
 import time
 from functools import partial
 from pathlib import Path
@@ -25,10 +26,12 @@ ISOLATED = ("-I",)
 """Each Python takes the package of its own environment, whatever lies in this folder."""
 
 STARTS = {
-    "start of Python": "pass",
-    "import sgicodec; sgicodec.decode": "import sgicodec; sgicodec.decode",
-    "fresh process, whole picture": "import sys, sgicodec; sgicodec.imread(sys.argv[1])",
+    "start of Python": ("-c", "pass"),
+    "import sgicodec; sgicodec.decode": ("-c", "import sgicodec; sgicodec.decode"),
+    "fresh process, whole picture": ("-c", "import sys, sgicodec; sgicodec.imread(sys.argv[1])"),
+    "sgi decode to PNG": ("-m", "sgicodec", "decode", "-f", "-o", "OUT"),
 }
+"""What a Python does with a stream, whose path follows."""
 
 
 @click.command()
@@ -52,10 +55,11 @@ def main(paths: tuple[Path, ...], against: Path | None, threads: int, repeat: in
 
 
 def _print_starts(path: Path, pythons: list[Path], repeat: int) -> None:
-    for name, code in STARTS.items():
-        command = "-c", code, str(path)
-        runs = in_turn(pythons, repeat, partial(_seconds, command))
-        _print(name, [statistics.median(of_one) for of_one in runs])
+    with tempfile.TemporaryDirectory(prefix="sgi-decode-") as folder:
+        for name, arguments in STARTS.items():
+            command = *(part.replace("OUT", str(Path(folder, "out.png"))) for part in arguments), str(path)
+            runs = in_turn(pythons, repeat, partial(_seconds, command))
+            _print(name, [statistics.median(of_one) for of_one in runs])
 
 
 def _print_decodes(path: Path, pythons: list[Path], repeat: int, threads: int) -> None:
@@ -66,7 +70,7 @@ def _print_decodes(path: Path, pythons: list[Path], repeat: int, threads: int) -
 
 def _seconds(command: tuple[str, ...], python: Path) -> float:
     start = time.perf_counter()
-    subprocess.run([python, *ISOLATED, *command], check=True)
+    subprocess.run([python, *ISOLATED, *command], stdout=subprocess.DEVNULL, check=True)
     return time.perf_counter() - start
 
 

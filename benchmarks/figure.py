@@ -2,35 +2,18 @@
 
 from __future__ import annotations
 
-import io
 from pathlib import Path
 
 import click
-import numpy as np
-from numpy.typing import NDArray
 
 from sgicodec import read
+from sgicodec.bench.peers import Jpeg
+from sgicodec.bench.sized import best_within
 from sgicodec.decoder.stream import open_stream
 from sgicodec.errors import require
 from sgicodec.metrics.psnr import psnr
 
-__all__ = ["jpeg_of_size", "main"]
-
-Pixels = NDArray[np.uint8]
-
-
-def jpeg_of_size(pixels: Pixels, size: int) -> bytes:
-    """The best progressive 4:2:0 JPEG of at most `size` bytes; the smallest there is if none fits."""
-    from PIL import Image
-
-    best = b""
-    for quality in range(1, 96):
-        buffer = io.BytesIO()
-        Image.fromarray(pixels).save(buffer, "JPEG", quality=quality, optimize=True, progressive=True, subsampling=2)
-        if buffer.tell() > size and best:
-            break
-        best = buffer.getvalue()
-    return best
+__all__ = ["main"]
 
 
 @click.command()
@@ -47,8 +30,10 @@ def main(picture: Path, stream: Path, out: Path, region: tuple[int, int, int, in
     size = stream.stat().st_size
     with open_stream(stream) as opened:
         ours = opened.picture().pixels
-    data = jpeg_of_size(original, size)
-    theirs = np.asarray(Image.open(io.BytesIO(data)))
+    jpeg = Jpeg()
+    quality = best_within(jpeg.scale, lambda quality: len(jpeg.encode(original, quality)), size)
+    data = jpeg.encode(original, jpeg.scale[0] if quality is None else quality)
+    theirs = jpeg.decode(data)
     raw = original.size
     panels = [
         (original, f"original, {raw:,} bytes"),

@@ -9,6 +9,7 @@ also seen mirrored and transposed, where a mirrored picture has its nodes in the
 from __future__ import annotations
 
 import argparse
+import hashlib
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -26,7 +27,6 @@ from sgicodec.decoder.stream import open_stream
 from sgicodec.encoder.pipeline import encode_picture
 from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.model.network import IntNetwork
-from tools.prior_file import SHIFT, write_prior
 
 __all__ = ["Tree", "make_streams", "train"]
 
@@ -37,6 +37,8 @@ BATCH, RATE = 2048, 6e-3
 ROOT_LOG, MIN_LOG = 6, 1
 """log2 of the sides of roots and of the smallest nodes, pixels."""
 CHILDREN = 4
+SHIFT = 8
+"""Shipped weights are multiples of 2^-8."""
 
 
 @dataclass(frozen=True)
@@ -158,6 +160,22 @@ def _report(network: IntNetwork, examples: Examples) -> str:
     return f"{len(bits):9,d} nodes  {float(bits.mean()):.4f} bits each"
 
 
+def write_networks(networks: tuple[IntNetwork, ...], path: Path) -> str:
+    """Writes the file that `bitstream.parts.prior` reads, in 16-bit integers, and returns its SHA-256."""
+    blocks = []
+    for network in networks:
+        hidden, inputs = network.w1.shape
+        head = [inputs, hidden, network.w2.shape[0], network.predicted, network.shift]
+        parts = [np.array(head), network.w1, network.b1, network.w2, network.b2]
+        values = np.concatenate([part.reshape(-1) for part in parts])
+        if np.abs(values).max() > 32767:
+            raise ValueError("a weight does not fit into 16 bits")
+        blocks.append(values.astype("<i2"))
+    data = np.concatenate(blocks).tobytes()
+    path.write_bytes(data)
+    return hashlib.sha256(data).hexdigest()
+
+
 def main() -> None:
     """The command line of this module."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -181,7 +199,7 @@ def main() -> None:
         examples = Examples.of(trees, child)
         networks.append(train(examples, arguments.hidden, arguments.epochs, arguments.seed))
         print(f"child {child}  {_report(networks[-1], examples)}", flush=True)
-    print("sha256", write_prior(tuple(networks), arguments.out))
+    print("sha256", write_networks(tuple(networks), arguments.out))
 
 
 if __name__ == "__main__":

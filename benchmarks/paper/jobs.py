@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import Any
 
 from benchmarks.paper.rows import Key
 from sgicodec.bench.ladders import LADDERS
@@ -55,23 +56,16 @@ class PaperFit:
 
     def options(self) -> tuple[str, ...]:
         """Of `sgi encode`."""
-        options = {"--profile": "paper", "--tile": 0, "--seeds": self.seeds, "--steps": self.steps}
-        options |= {"--per-seed": self.per_seed, "--features": self.features, "--levels": self.levels}
-        words = [str(word) for pair in options.items() for word in pair]
-        return (*words, "--lmbda", f"{self.lmbda:g}")
+        options = ((f"--{name.replace('_', '-')}", value) for name, value in self._choices().items())
+        return tuple(str(word) if isinstance(word, str | int) else f"{word:g}" for pair in options for word in pair)
 
     def settings(self) -> EncodeSettings:
         """The same for the library."""
-        return EncodeSettings(
-            profile="paper",
-            tile=0,
-            seeds=self.seeds,
-            steps=self.steps,
-            per_seed=self.per_seed,
-            features=self.features,
-            levels=self.levels,
-            lmbda=self.lmbda,
-        )
+        return EncodeSettings(**self._choices())
+
+    def _choices(self) -> dict[str, Any]:
+        choices = {"profile": "paper", "tile": 0, "seeds": self.seeds, "steps": self.steps, "per_seed": self.per_seed}
+        return choices | {"features": self.features, "levels": self.levels, "lmbda": self.lmbda}
 
 
 @dataclass(frozen=True)

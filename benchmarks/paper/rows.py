@@ -1,14 +1,11 @@
-"""Results of the paper's tables on disk: a tab-separated row for each measurement, written as soon as it is made."""
+"""Results of the paper's tables on disk."""
 
 from __future__ import annotations
 
-import types
-import typing
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
-from sgicodec.errors import UsageError
+from sgicodec.bench.rows import RowFile
 
 __all__ = ["Key", "PaperResults", "PaperRow"]
 
@@ -67,77 +64,18 @@ class PaperRow:
         pairs = (part.split("=") for part in self.parts.split(";") if part)
         return {name: float(size) for name, size in pairs}
 
-    def to_line(self) -> str:
-        """Values joined by tabs; an unknown value is empty."""
-        values = (getattr(self, name) for name in _TYPES)
-        return "\t".join("" if value is None else str(value) for value in values)
 
-    @classmethod
-    def from_line(cls, line: str) -> PaperRow:
-        """The inverse of `to_line`. Raises ValueError if it is not one."""
-        texts = line.split("\t")
-        if len(texts) != len(_TYPES):
-            raise ValueError(f"{len(texts)} values instead of {len(_TYPES)}")
-        typed = zip(_TYPES.items(), texts, strict=True)
-        return cls(**{name: _parse(text, kind) for (name, kind), text in typed})
-
-
-_TYPES: dict[str, Any] = {field.name: typing.get_type_hints(PaperRow)[field.name] for field in fields(PaperRow)}
-_HEADER = "\t".join(_TYPES) + "\n"
-
-
-def _parse(text: str, kind: Any) -> Any:
-    if isinstance(kind, types.UnionType):
-        return typing.get_args(kind)[0](text) if text else None
-    return kind(text)
-
-
-class PaperResults:
-    """The rows of a file, which grows by `append` and is read again when a run goes on; of no file, in memory alone.
-
-    A last line without its end, left by a run that was cut short, is dropped when a row is added: the file may be one
-    that another run adds to. Raises UsageError for a file that holds anything else than such rows.
-    """
+class PaperResults(RowFile[PaperRow]):
+    """The rows of the paper's tables. What was measured for one table serves the others."""
 
     def __init__(self, path: Path | None = None) -> None:
-        self.path = path
-        self.rows: dict[Key, PaperRow] = {}
-        self._measured: dict[tuple[str, str, str], PaperRow] = {}
-        self._repaired: str | None = None
-        if path is not None:
-            self._load(path)
-
-    def _load(self, path: Path) -> None:
-        text = path.read_text("utf-8", "replace") if path.exists() else ""
-        if not text.startswith(_HEADER) and not _HEADER.startswith(text):
-            raise UsageError(f"{path} has other columns than this version writes; give another file")
-        complete = text[: text.rfind("\n") + 1] or _HEADER
-        for number, line in enumerate(complete.split("\n")[1:-1], 2):
-            try:
-                self._keep(PaperRow.from_line(line))
-            except ValueError as error:
-                raise UsageError(f"{path}, line {number} is no result: {error}; remove that line") from error
-        if complete != text:
-            self._repaired = complete
-
-    def _keep(self, row: PaperRow) -> None:
-        self.rows[row.key] = row
-        self._measured[row.measurement] = row
-
-    def append(self, row: PaperRow) -> None:
-        """Adds a row here and at the end of the file."""
-        if self.path is not None:
-            if self._repaired is not None:
-                self.path.write_text(self._repaired, "utf-8")
-                self._repaired = None
-            with self.path.open("a", encoding="utf-8") as file:
-                file.write(row.to_line() + "\n")
-        self._keep(row)
+        super().__init__(PaperRow, path)
 
     def find(self, key: Key) -> PaperRow | None:
         """The row of this key. What another table measured already is added for this one."""
-        picture, crc, table, setting, method, options = key
-        same = self._measured.get((crc, method, options))
-        if key not in self.rows and same is not None:
-            self.append(replace(same, picture=picture, table=table, setting=setting))
+        if key not in self.rows:
+            picture, crc, table, setting, *rest = key
+            same = [row for row in self.rows.values() if row.measurement == (crc, *rest)]
+            if same:
+                self.append(replace(same[-1], picture=picture, table=table, setting=setting))
         return self.rows.get(key)

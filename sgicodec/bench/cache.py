@@ -19,7 +19,7 @@ class PeerCache:
         folder.mkdir(parents=True, exist_ok=True)
         self._folder = folder
         self._results = Results(folder / "results.tsv")
-        self._rows = {_nameless(key): row for key, row in self._results.rows.items()}
+        self._rows = {_nameless(row.key): row for row in self._results.rows.values()}
 
     def row(self, key: Key) -> Row | None:
         """The row of a point under the picture's present name, if an earlier run measured it."""

@@ -1,16 +1,17 @@
-"""Results on disk: a tab-separated row for each picture, codec and point, written as soon as measured."""
+"""Results on disk: a tab-separated row for each measured point, written as soon as it is made."""
 
 from __future__ import annotations
 
-import dataclasses
 import types
 import typing
-from dataclasses import dataclass
+from collections.abc import Hashable
+from dataclasses import dataclass, fields
 from pathlib import Path
+from typing import Any, Generic, Protocol, TypeVar
 
 from sgicodec.errors import UsageError
 
-__all__ = ["Key", "Results", "Row"]
+__all__ = ["Key", "Results", "Row", "RowFile"]
 
 Key = tuple[str, str, str, str, str]
 
@@ -21,7 +22,7 @@ class Row:
 
     `crc` is the CRC-32 of the 8-bit RGB samples that were coded, in hexadecimal; `memory_mib` the peak
     memory of the codec's process in MiB where the codec has one. `ssimulacra2` and what follows are None where they
-    could not be taken, and in files of versions before they were.
+    could not be taken.
     """
 
     codec: str
@@ -50,77 +51,79 @@ class Row:
     def key(self) -> Key:
         return (self.codec, self.version, self.settings, self.picture, self.crc)
 
-    def to_line(self) -> str:
-        """Values joined by tabs, in full precision; an unknown value is empty."""
-        values = (getattr(self, name) for name in _COLUMNS)
-        return "\t".join("" if value is None else str(value) for value in values)
 
-    @classmethod
-    def from_line(cls, line: str, columns: int | None = None) -> Row:
-        """The inverse of `to_line`, of the first `columns` of them. Raises ValueError if it is not one."""
-        texts, known = line.split("\t"), list(_TYPES.items())[:columns]
-        if len(texts) != len(known):
-            raise ValueError(f"{len(texts)} values instead of {len(known)}")
-        typed = zip(known, texts, strict=True)
-        return cls(**{name: _parse(text, kind) for (name, kind), text in typed})
+class _Keyed(Protocol):
+    """A frozen dataclass of numbers and texts, some of which may be None, with a key among them."""
+
+    __dataclass_fields__: typing.ClassVar[dict[str, Any]]
+
+    @property
+    def key(self) -> Hashable: ...
 
 
-_COLUMNS = [field.name for field in dataclasses.fields(Row)]
-_TYPES = {name: typing.get_type_hints(Row)[name] for name in _COLUMNS}
-_LEAST_COLUMNS = _COLUMNS.index("ssimulacra2")
-"""That a file of an older version has."""
+R = TypeVar("R", bound=_Keyed)
 
 
-def _header(columns: int) -> str:
-    """The first line of a file with so many columns."""
-    return "\t".join(_COLUMNS[:columns]) + "\n"
+class RowFile(Generic[R]):
+    """The rows of one file, which grows by `append` and is read again when a run resumes; of no file, in memory alone.
 
-
-def _columns_of(text: str) -> int:
-    """How many columns a file has, of this version or of one before; all where it begins in another way."""
-    older = (count for count in range(_LEAST_COLUMNS, len(_COLUMNS)) if text.startswith(_header(count)))
-    return next(older, len(_COLUMNS))
-
-
-def _parse(text: str, kind: typing.Any) -> typing.Any:
-    if isinstance(kind, types.UnionType):
-        return float(text) if text else None
-    return kind(text)
-
-
-class Results:
-    """The rows of one file, which grows by `append` and is read again when a run resumes.
-
-    A file without the later columns is read as it is, and gets them when a row is added. A last line without its end,
-    left by a run that was cut short, is dropped from the file. Raises UsageError for a file that holds anything else
-    than such rows.
+    A row is a line of values joined by tabs, in full precision, an unknown value empty. A last line without its end,
+    left by a run that was cut short, is dropped when a row is added: another run may still be writing it. Raises
+    UsageError for a file that holds anything else than such rows.
     """
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, kind: type[R], path: Path | None) -> None:
         self.path = path
-        self.rows: dict[Key, Row] = {}
+        self.rows: dict[Hashable, R] = {}
+        self._kind, hints = kind, typing.get_type_hints(kind)
+        self._types: dict[str, Any] = {field.name: hints[field.name] for field in fields(kind)}
+        self._complete: str | None = None
+        if path is not None:
+            self._load(path)
+
+    def _load(self, path: Path) -> None:
         text = path.read_text("utf-8", "replace") if path.exists() else ""
-        columns = _columns_of(text)
-        self._widen = columns < len(_COLUMNS)
-        header = _header(columns)
+        header = "\t".join(self._types) + "\n"
         if not text.startswith(header) and not header.startswith(text):
-            raise UsageError(f"{path} has other columns than this version writes; give another folder")
+            raise UsageError(f"{path} has other columns than this version writes; give another file or folder")
         complete = text[: text.rfind("\n") + 1] or header
         for number, line in enumerate(complete.split("\n")[1:-1], 2):
             try:
-                row = Row.from_line(line, columns)
+                row = self._parsed(line)
             except ValueError as error:
                 raise UsageError(f"{path}, line {number} is no result: {error}; remove that line") from error
             self.rows[row.key] = row
         if complete != text:
-            path.write_text(complete, "utf-8")
+            self._complete = complete
 
-    def append(self, row: Row) -> None:
+    def _parsed(self, line: str) -> R:
+        """The row of a line. Raises ValueError if it is none."""
+        texts = line.split("\t")
+        if len(texts) != len(self._types):
+            raise ValueError(f"{len(texts)} values instead of {len(self._types)}")
+        typed = zip(self._types.items(), texts, strict=True)
+        return self._kind(**{name: _parse(text, kind) for (name, kind), text in typed})
+
+    def append(self, row: R) -> None:
         """Add a row here and at the end of the file."""
-        if self._widen:
-            lines = (known.to_line() + "\n" for known in self.rows.values())
-            self.path.write_text(_header(len(_COLUMNS)) + "".join(lines), "utf-8")
-            self._widen = False
-        with self.path.open("a", encoding="utf-8") as file:
-            file.write(row.to_line() + "\n")
+        if self.path is not None:
+            if self._complete is not None:
+                self.path.write_text(self._complete, "utf-8")
+                self._complete = None
+            values = (getattr(row, name) for name in self._types)
+            with self.path.open("a", encoding="utf-8") as file:
+                file.write("\t".join("" if value is None else str(value) for value in values) + "\n")
         self.rows[row.key] = row
+
+
+def _parse(text: str, kind: Any) -> Any:
+    if isinstance(kind, types.UnionType):
+        return typing.get_args(kind)[0](text) if text else None
+    return kind(text)
+
+
+class Results(RowFile[Row]):
+    """The rows of `sgi bench`."""
+
+    def __init__(self, path: Path) -> None:
+        super().__init__(Row, path)

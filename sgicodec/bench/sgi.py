@@ -23,7 +23,7 @@ from sgicodec.errors import SgiError, require
 __all__ = ["Run", "SgiCodec", "fingerprint", "run_timed"]
 
 _PACKAGE = Path(__file__).resolve().parent.parent
-_LAUNCHER = Path(__file__).with_name("launch.py")
+_LAUNCHER = Path(__file__).with_name("peak.py")
 # What cannot change a stream: the benchmark itself and sources that act only once compiled.
 _INERT_SUFFIXES = {".pyc", ".cpp", ".hpp", ".cu", ".cuh"}
 

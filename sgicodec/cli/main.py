@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import os
 import sys
 from importlib import import_module
@@ -134,12 +133,9 @@ class Cli(click.Group):
 
 def _command_for(path: str) -> str:
     """What one does with a file: a stream is decoded, a picture encoded."""
-    from sgicodec.bitstream.container import SIGNATURE
-    from sgicodec.cli.paths import opened_file
+    from sgicodec.bitstream.recognition import looks_like_stream
 
-    with contextlib.suppress(OSError, SgiError), opened_file(path) as file:
-        return "decode" if file.read(len(SIGNATURE)) == SIGNATURE else "encode"
-    return "encode"
+    return "decode" if looks_like_stream(path) else "encode"
 
 
 def _print_version(ctx: click.Context, param: click.Parameter, value: bool) -> None:

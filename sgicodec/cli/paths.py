@@ -101,10 +101,9 @@ def naming_stream(path: str) -> Iterator[None]:
 
 def is_stream(path: str | Path) -> bool:
     """Whether a file begins as streams do. Raises OSError."""
-    from sgicodec.bitstream.container import SIGNATURE
+    from sgicodec.bitstream import recognition  # takes long to load
 
-    with open(path, "rb") as file:
-        return file.read(len(SIGNATURE)) == SIGNATURE
+    return recognition.is_stream(path)
 
 
 def refuse_folder(source: str, content: str, failure: type[SgiError]) -> None:

@@ -3,24 +3,11 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    from sgicodec.executors.executor import Memory
-
-__all__ = ["group_memory", "machine_memory", "workers_that_fit"]
+__all__ = ["group_memory", "machine_memory"]
 
 _UNLIMITED = 1 << 60
 """What the first version of control groups states where there is no limit is some pages below 2⁶³."""
-
-
-def workers_that_fit(memory: Memory, most: int, limit: float | None) -> int:
-    """How many workers, at most `most`, there is memory for: up to a limit in bytes, of which UsageError says that it
-    is too low for one, else what the control group of this process, or the machine, has.
-    """
-    if limit is None:
-        return memory.workers_that_fit(group_memory() or machine_memory(), most)
-    return memory.workers_within(limit, most)
 
 
 def machine_memory(root: Path = Path("/")) -> int | None:

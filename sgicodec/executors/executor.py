@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
@@ -10,7 +9,7 @@ from typing import Protocol, TypeVar
 
 from sgicodec.cuda.choice import NamedDevice
 from sgicodec.device import Device
-from sgicodec.errors import SgiError, TileFailedError, UsageError
+from sgicodec.errors import SgiError, TileFailedError
 
 __all__ = ["MIB", "Executor", "Failure", "Memory", "Tries"]
 
@@ -36,21 +35,6 @@ class Memory:
     def total(self, workers: int) -> int:
         """Of all processes together. A single worker is the main process itself."""
         return self.main + workers * self.worker - (self.shared if workers == 1 else 0)
-
-    def workers_that_fit(self, limit: float | None, most: int) -> int:
-        """The same, but one where not even that stays within `limit`."""
-        fitting = range(1, most + 1) if limit is None else [n for n in range(1, most + 1) if self.total(n) <= limit]
-        return max(fitting, default=1)
-
-    def workers_within(self, limit: float | None, most: int) -> int:
-        """The largest number of workers, at most `most`, that stay within `limit` bytes. Raises UsageError if none
-        do.
-        """
-        workers = self.workers_that_fit(limit, most)
-        if limit is None or self.total(workers) <= limit:
-            return workers
-        needed = math.ceil(self.total(1) / MIB)
-        raise UsageError(f"one worker takes about {needed} MiB, more than --max-memory; a smaller --tile takes less")
 
 
 class Executor(Protocol):

@@ -9,11 +9,9 @@ from typing import TypeVar
 
 from sgicodec.device import Device
 from sgicodec.errors import NoDeviceError, UsageError
-from sgicodec.executors.available import workers_that_fit
-from sgicodec.executors.executor import Executor, Memory
+from sgicodec.executors.local import LocalExecutor
 from sgicodec.executors.peak import Peaks
 from sgicodec.executors.processes import process_pool
-from sgicodec.executors.serial import SerialExecutor
 
 __all__ = ["GpuExecutor"]
 
@@ -24,16 +22,13 @@ _VISIBLE = "CUDA_VISIBLE_DEVICES"
 """Names the GPUs that NVIDIA's driver shows to a process; there they are numbered from 0."""
 
 
-class GpuExecutor:
+class GpuExecutor(LocalExecutor):
     """An `Executor` with a process of this machine for each of several GPUs, which sees that one alone. Tiles within a
     process are done in threads, whose steps share the GPU as with `ThreadExecutor`.
 
     gpus: how many, from number `first` on. workers: tiles at once over all of them, at most; 0 for one per core and one
-    for each GPU. max_memory: bytes that all processes together may take at their peak. peaks: where they tell what they
-    took.
+    for each GPU. peaks: where they tell what they took.
     """
-
-    place = None
 
     def __init__(
         self,
@@ -45,23 +40,17 @@ class GpuExecutor:
     ) -> None:
         if not isinstance(gpus, int) or gpus < 1:
             raise UsageError(f"gpus {gpus!r}; 1 or more")
-        if not isinstance(workers, int) or workers < 0:
-            raise UsageError(f"workers {workers!r}; 0 (one per core, and one for each GPU) or more")
-        most = workers or (os.cpu_count() or 1) + gpus
-        self._gpus, self._first, self._max_memory = min(gpus, most), first, max_memory
-        self._threads = most // self._gpus
-        self.workers, self.peaks = self._gpus * self._threads, peaks or Peaks()
+        super().__init__(workers, (os.cpu_count() or 1) + gpus, max_memory)
+        self._gpus, self._first, self.peaks = min(gpus, self.workers), first, peaks or Peaks()
+        self._threads = self.workers // self._gpus
+        self.workers = self._gpus * self._threads
 
-    def within(self, memory: Memory, jobs: int) -> Executor:
-        """As in `Executor`; without `max_memory`, no more than there is memory for."""
-        count = workers_that_fit(memory, min(self.workers, jobs), self._max_memory)
-        if count == 1:
-            return SerialExecutor()
-        return GpuExecutor(self._gpus, count, self._max_memory, self._first, self.peaks)
+    def _with(self, workers: int) -> GpuExecutor:
+        return GpuExecutor(self._gpus, workers, self._max_memory, self._first, self.peaks)
 
     def device(self, whole: Device, jobs: int) -> Device:
         """The only GPU of its process, and a share of the threads."""
-        own = whole.shared_among(min(self.workers, jobs))
+        own = super().device(whole, jobs)
         return own if own.gpu is None else replace(own, gpu=0, gpus=1)
 
     def run(

@@ -12,12 +12,9 @@ from dataclasses import dataclass, field
 from threading import Lock
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
-from sgicodec.device import Device
-from sgicodec.errors import UsageError
-from sgicodec.executors.available import workers_that_fit
-from sgicodec.executors.executor import Executor, Failure, Memory, Tries
+from sgicodec.executors.executor import Failure, Tries
+from sgicodec.executors.local import LocalExecutor
 from sgicodec.executors.peak import Peaks, own_peak
-from sgicodec.executors.serial import SerialExecutor
 
 if TYPE_CHECKING:
     from multiprocessing.connection import Connection
@@ -29,31 +26,18 @@ Job = TypeVar("Job")
 Result = TypeVar("Result")
 
 
-class ProcessExecutor:
+class ProcessExecutor(LocalExecutor):
     """An `Executor` with worker processes of this machine, started for each run.
 
-    workers: at most; 0 for one per core. max_memory: bytes that all processes together may take at their peak. peaks:
-    where they tell what they took.
+    workers: at most; 0 for one per core. peaks: where they tell what they took.
     """
 
-    place = None
-
     def __init__(self, workers: int = 0, max_memory: float | None = None, peaks: Peaks | None = None) -> None:
-        if not isinstance(workers, int) or workers < 0:
-            raise UsageError(f"workers {workers!r}; 0 (one per core) or more")
-        self.workers, self._max_memory = workers or os.cpu_count() or 1, max_memory
+        super().__init__(workers, os.cpu_count() or 1, max_memory)
         self.peaks = peaks or Peaks()
 
-    def within(self, memory: Memory, jobs: int) -> Executor:
-        """As in `Executor`; a single worker is this process. Without `max_memory`, no more than the machine, or the
-        control group of this process, has memory for.
-        """
-        count = workers_that_fit(memory, min(self.workers, jobs), self._max_memory)
-        return SerialExecutor() if count == 1 else ProcessExecutor(count, self._max_memory, self.peaks)
-
-    def device(self, whole: Device, jobs: int) -> Device:
-        """The threads are shared among the workers."""
-        return whole.shared_among(min(self.workers, jobs))
+    def _with(self, workers: int) -> ProcessExecutor:
+        return ProcessExecutor(workers, self._max_memory, self.peaks)
 
     def run(
         self,

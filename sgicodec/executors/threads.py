@@ -11,11 +11,8 @@ from contextvars import ContextVar
 from threading import Event
 from typing import TypeVar
 
-from sgicodec.device import Device
-from sgicodec.errors import UsageError
-from sgicodec.executors.available import workers_that_fit
-from sgicodec.executors.executor import Executor, Failure, Memory, Tries
-from sgicodec.executors.serial import SerialExecutor
+from sgicodec.executors.executor import Failure, Tries
+from sgicodec.executors.local import LocalExecutor
 
 __all__ = ["ThreadExecutor", "stopping"]
 
@@ -31,29 +28,19 @@ def stopping() -> bool:
     return event is not None and event.is_set()
 
 
-class ThreadExecutor:
+class ThreadExecutor(LocalExecutor):
     """An `Executor` with threads of this process, for tiles that a GPU fits: their steps share it, each thread with
     launches in an order of its own. On the processor alone, processes are faster.
 
-    workers: at most; 0 for one per core and one that waits for the GPU. max_memory: bytes that they may take together.
-    A run that ends early lets the tiles under way end: they see that they are `stopping`.
+    workers: at most; 0 for one per core and one that waits for the GPU. A run
+    that ends early lets the tiles under way end: they see that they are `stopping`.
     """
 
-    place = None
-
     def __init__(self, workers: int = 0, max_memory: float | None = None) -> None:
-        if not isinstance(workers, int) or workers < 0:
-            raise UsageError(f"workers {workers!r}; 0 (one per core, and one) or more")
-        self.workers, self._max_memory = workers or (os.cpu_count() or 1) + 1, max_memory
+        super().__init__(workers, (os.cpu_count() or 1) + 1, max_memory)
 
-    def within(self, memory: Memory, jobs: int) -> Executor:
-        """As in `Executor`; without `max_memory`, no more than there is memory for."""
-        count = workers_that_fit(memory, min(self.workers, jobs), self._max_memory)
-        return SerialExecutor() if count == 1 else ThreadExecutor(count, self._max_memory)
-
-    def device(self, whole: Device, jobs: int) -> Device:
-        """The threads are shared among the workers."""
-        return whole.shared_among(min(self.workers, jobs))
+    def _with(self, workers: int) -> ThreadExecutor:
+        return ThreadExecutor(workers, self._max_memory)
 
     def run(
         self,

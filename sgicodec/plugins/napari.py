@@ -4,17 +4,15 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
-from contextlib import suppress
 from typing import Any
 
-from sgicodec.bitstream.container import SIGNATURE
+from sgicodec.bitstream.recognition import looks_like_stream
 from sgicodec.decoder.stream import Stream, open_stream
 from sgicodec.metadata.gdal_items import band_facts
 from sgicodec.metadata.georeference import resolution
 from sgicodec.metadata.layouts import band_ranges
 from sgicodec.picture import full_range
 from sgicodec.plugins.dask import levels
-from sgicodec.remote.url import has_stream_name, is_url
 
 __all__ = ["get_reader", "read"]
 
@@ -24,15 +22,7 @@ Layer = tuple[Any, dict[str, Any], str]
 def get_reader(path: str | list[str]) -> Callable[[str | list[str]], list[Layer]] | None:
     """The function that reads these paths, or None where one is no stream, but a picture of Silicon Graphics."""
     paths = [path] if isinstance(path, str) else path
-    return read if paths and all(map(_is_stream, paths)) else None
-
-
-def _is_stream(path: str) -> bool:
-    if is_url(path):
-        return has_stream_name(path)
-    with suppress(OSError), open(path, "rb") as file:
-        return file.read(len(SIGNATURE)) == SIGNATURE
-    return False
+    return read if paths and all(map(looks_like_stream, paths)) else None
 
 
 def read(path: str | list[str]) -> list[Layer]:

@@ -6,7 +6,6 @@ import math
 import os
 import re
 from collections.abc import Mapping
-from contextlib import suppress
 from pathlib import Path
 from types import MappingProxyType, TracebackType
 from typing import TYPE_CHECKING, Any
@@ -14,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sgicodec.bitstream.container import SIGNATURE
+from sgicodec.bitstream.recognition import looks_like_stream
 from sgicodec.decoder.stream import Stream, open_stream
 from sgicodec.decoder.view import inner_view, level_view
 from sgicodec.errors import RegionError, UsageError, require
@@ -22,7 +21,7 @@ from sgicodec.metadata.georeference import resolution
 from sgicodec.metadata.layouts import WITHOUT_ALPHA
 from sgicodec.metadata.tiff import DESCRIPTION, described
 from sgicodec.picture import Picture, nodata_mask, to_rgb8
-from sgicodec.remote.url import has_stream_name, is_url
+from sgicodec.remote.url import is_url
 
 if TYPE_CHECKING:
     from PIL.Image import Image
@@ -57,11 +56,7 @@ class Slide:
     @classmethod
     def detect_format(cls, filename: str | os.PathLike[str]) -> str | None:
         """The name of this package for a stream, None for all else. Of a URL, by its name: nothing is fetched."""
-        if isinstance(filename, str) and is_url(filename):
-            return "sgicodec" if has_stream_name(filename) else None
-        with suppress(OSError), open(filename, "rb") as file:
-            return "sgicodec" if file.read(len(SIGNATURE)) == SIGNATURE else None
-        return None
+        return "sgicodec" if looks_like_stream(filename) else None
 
     def close(self) -> None:
         """Closes the stream."""

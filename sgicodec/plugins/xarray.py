@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from contextlib import suppress
 from typing import Any
 
 import numpy as np
@@ -16,13 +15,12 @@ import xarray  # noqa: E402
 from xarray.backends import BackendArray, BackendEntrypoint  # noqa: E402
 from xarray.core import indexing  # noqa: E402
 
-from sgicodec.bitstream.container import SIGNATURE  # noqa: E402
+from sgicodec.bitstream.recognition import looks_like_stream  # noqa: E402
 from sgicodec.decoder.stream import Stream, open_stream  # noqa: E402
 from sgicodec.metadata.gdal_items import band_facts  # noqa: E402
 from sgicodec.metadata.georeference import georeference, resolution  # noqa: E402
 from sgicodec.metadata.placement import transformation  # noqa: E402
 from sgicodec.plugins.level_array import LevelArray  # noqa: E402
-from sgicodec.remote.url import has_stream_name, is_url  # noqa: E402
 
 __all__ = ["SgiBackend"]
 
@@ -58,11 +56,7 @@ class SgiBackend(BackendEntrypoint):
         """Whether it begins as a stream does; pictures of Silicon Graphics are called alike. Of a URL, whether its name
         ends in .sgi: nothing is fetched.
         """
-        if isinstance(filename_or_obj, str) and is_url(filename_or_obj):
-            return has_stream_name(filename_or_obj)
-        with suppress(OSError, TypeError, ValueError), open(filename_or_obj, "rb") as file:
-            return file.read(len(SIGNATURE)) == SIGNATURE
-        return False
+        return looks_like_stream(filename_or_obj)
 
 
 class _Lazy(BackendArray):  # type: ignore[misc]

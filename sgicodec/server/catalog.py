@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import NamedTuple, Protocol
 
-from sgicodec.bitstream.container import SIGNATURE
+from sgicodec.bitstream.recognition import looks_like_stream
 from sgicodec.errors import UsageError
 from sgicodec.server.refusal import Refusal
 
@@ -110,13 +110,7 @@ class ListedFiles:
 
 def _is_stream(path: Path) -> bool:
     """Whether a file begins as streams do: others share their suffix."""
-    if not path.is_file():
-        return False
-    try:
-        with path.open("rb") as file:
-            return file.read(len(SIGNATURE)) == SIGNATURE
-    except OSError:
-        return False
+    return path.is_file() and looks_like_stream(path)
 
 
 def _printable(name: str) -> bool:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import cast
 
 import torch
 from torch import Tensor
@@ -17,23 +16,10 @@ from tools.autograd.context_inputs import hash_inputs
 __all__ = ["ContextNet", "binarize", "bits_by_mean"]
 
 
-class _Sign(torch.autograd.Function):
-    """±1 forward; backward the identity where |θ| ≤ 1 (straight-through estimation, Shin and Park 2023)."""
-
-    @staticmethod
-    def forward(ctx: object, theta: Tensor) -> Tensor:
-        ctx.save_for_backward(theta)  # type: ignore[attr-defined]
-        return torch.where(theta >= 0, 1.0, -1.0)
-
-    @staticmethod
-    def backward(ctx: object, *grads: Tensor) -> Tensor:
-        theta: Tensor = ctx.saved_tensors[0]  # type: ignore[attr-defined]
-        return grads[0] * (theta.abs() <= 1)
-
-
 def binarize(theta: Tensor) -> Tensor:
-    """Signs of θ with straight-through gradients."""
-    return cast(Tensor, _Sign.apply(theta))  # type: ignore[no-untyped-call]
+    """Signs of θ, ±1; backward the identity where |θ| ≤ 1 (straight-through estimation, Shin and Park 2023)."""
+    near = theta.clamp(-1, 1)
+    return torch.where(theta >= 0, 1.0, -1.0) + (near - near.detach())
 
 
 def bits_by_mean(sizes: Tensor) -> Tensor:
@@ -80,19 +66,11 @@ class ContextNet:
                 total = total + bits_by_mean(matrix.abs() * 2.0**WEIGHT_SHIFT)
         return total
 
-    def product(self, stage: int, inputs: Tensor, start: int = 0) -> Tensor:
-        """W1 times inputs [n, k] in units of 2^-6 that stand at columns `start` … of all inputs [n, hidden]."""
-        x = inputs.clamp(-INPUT_LIMIT, INPUT_LIMIT) * 2.0**-INPUT_BITS
-        return x @ self.layers[stage][0][:, start : start + inputs.shape[1]].T
-
     def forward(self, stage: int, inputs: Tensor) -> tuple[Tensor, Tensor, Tensor]:
         """Means in base steps [n, U], scales [n, U] and refinements [n, G] in octaves, from inputs in units of 2^-6."""
-        return self.predict(stage, self.product(stage, inputs))
-
-    def predict(self, stage: int, product: Tensor) -> tuple[Tensor, Tensor, Tensor]:
-        """The same from W1 times all inputs."""
-        _, b1, w2, b2 = self.layers[stage]
-        out = torch.addmm(b2, torch.relu(product + b1), w2.T)
+        w1, b1, w2, b2 = self.layers[stage]
+        x = inputs.clamp(-INPUT_LIMIT, INPUT_LIMIT) * 2.0**-INPUT_BITS
+        out = torch.addmm(b2, torch.relu(x @ w1.T + b1), w2.T)
         units = sum(output_count(self.spec, group) for group in self.spec.context.steps[stage])
         return out[:, :units], out[:, units : 2 * units], out[:, 2 * units :]
 

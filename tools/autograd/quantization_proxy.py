@@ -18,7 +18,6 @@ from sgicodec.model.context import (
     level_inputs,
     neighbour_table,
     output_columns,
-    output_count,
 )
 from sgicodec.model.layout import SeedLayout
 from sgicodec.model.quantization import (
@@ -65,10 +64,7 @@ class QuantizationProxy:
         self.spec = spec
         self.bits_of = bits_laplace if family else bits_gaussian
         self.dead_zone = DEAD_ZONE if family else 0.0
-        self.columns: dict[str, Tensor | None] = {
-            g.name: _unless_identity(output_columns(spec, g.name), output_count(spec, g.name)) for g in spec.groups
-        }
-        self.products: list[Tensor] = []
+        self.columns = {group.name: torch.from_numpy(output_columns(spec, group.name)) for group in spec.groups}
         self.age = 0
 
     def _base(self, steps: Tensor) -> dict[str, Tensor]:
@@ -114,12 +110,9 @@ class QuantizationProxy:
         self, values: dict[str, Tensor], net: ContextNet, steps: Tensor, rounding: Rounding, key: NoiseKey
     ) -> Sample:
         """Draws (noise) or rounds the attributes `values` and counts their bits; steps as `step_sizes.flat_steps`."""
-        if not self.age or (not net.trains and not self.products):
+        if not self.age:
             with torch.no_grad():
                 self.common = self._common_inputs(values)
-                if not net.trains:
-                    stages = range(len(self.spec.context.steps))
-                    self.products = [net.product(number, self.common) for number in stages]
         self.age = (self.age + 1) % self.refresh
         decoded: dict[str, Tensor] = {}
         costs: dict[str, tuple[Tensor, Tensor, Tensor]] = {}
@@ -153,8 +146,7 @@ class QuantizationProxy:
 
     def _spread(self, name: str, predicted: Tensor) -> Tensor:
         """From MLP_p's outputs [N, U] to a group's attributes [N, size]."""
-        columns = self.columns[name]
-        return predicted if columns is None else predicted[:, columns]
+        return predicted[:, self.columns[name]]
 
     def _noise(self, name: str, key: NoiseKey) -> Tensor:
         """Of a group's attributes [N, size], in steps."""
@@ -197,8 +189,8 @@ class QuantizationProxy:
         return torch.cat(blocks, dim=1)
 
     def _predict(self, net: ContextNet, number: int, decoded: dict[str, Tensor]) -> tuple[Tensor, Tensor, Tensor]:
-        """MLP_p at one coding stage; what its first layer makes of the common inputs is kept if it does not train."""
-        blocks = []
+        """MLP_p at one coding stage."""
+        blocks = [self.common]
         if self.spec.context.hash_resolutions:
             blocks.append(net.hash_features(self.grid, self.grid_weight))
         if number:
@@ -206,13 +198,4 @@ class QuantizationProxy:
             if "shape" not in known:
                 known["shape"] = torch.zeros(len(self.level), 3 * self.spec.per_seed)
             blocks.append(own_inputs(self.summary(known), number))
-        if net.trains:
-            return net.forward(number, torch.cat([self.common, *blocks], dim=1))
-        product = self.products[number]
-        if blocks:
-            product = product + net.product(number, torch.cat(blocks, dim=1), self.common.shape[1])
-        return net.predict(number, product)
-
-
-def _unless_identity(columns: np.ndarray, outputs: int) -> Tensor | None:
-    return None if np.array_equal(columns, np.arange(outputs)) else torch.from_numpy(columns)
+        return net.forward(number, torch.cat(blocks, dim=1))

@@ -108,8 +108,6 @@ def test_going_on_gives_the_same_bytes(photo: Path, settings: EncodeSettings, ex
 
 def test_workers_that_fit() -> None:
     found = Memory(main=100 * MIB, worker=400 * MIB)
-    assert found.workers_within(None, 8) == 8
-    assert found.workers_within(1000 * MIB, 8) == 2
     assert ProcessExecutor(8, 1000 * MIB).within(found, 5).workers == 2
     assert ProcessExecutor(8).within(found, 5).workers == 5
     assert isinstance(ProcessExecutor(8).within(found, 1), SerialExecutor)

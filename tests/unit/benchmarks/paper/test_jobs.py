@@ -53,6 +53,12 @@ def test_options_are_those_of_the_command_and_of_the_library() -> None:
         assert str(values[name]) == str(getattr(settings, name)), name
 
 
+def test_no_phase_has_noise_where_no_bit_counts() -> None:
+    phases = PaperFit(100, 15_000, lmbda=0.0).settings().fit_settings().phases
+    assert [(phase.steps, phase.level) for phase in phases] == [(3000, 2), (6000, 1), (6000, 0)]
+    assert {(phase.rounding, phase.rate, phase.learn_steps) for phase in phases} == {("none", False, False)}
+
+
 @pytest.mark.parametrize("table", TABLES)
 def test_every_job_has_a_row_of_its_own(table: str) -> None:
     of_table = jobs(table, PIXELS_2K, SCOPE)
