@@ -37,9 +37,11 @@ for (const build of ["sgi", "sgi-scalar"]) {
     for (const [name, { picture }] of Object.entries(manifest)) {
       const path = join(GOLDEN, `${name}.sgi`);
       const { stream, info } = opened(module, readFileSync(path));
+      // Of a residual layer the page shows only what shows every view, as the drawing's does.
+      const lossy = /lossless|near/.test(name) && !name.includes("drawing") ? ["--lossy"] : [];
       const isSmall = Math.min(info.width, info.height) < 28;
       for (const options of isSmall ? VIEWS.slice(0, 2) : IN_MANY.includes(name) ? VIEWS : [VIEWS[0], VIEWS.at(-1)]) {
-        const expected = (picture[2] === "multi" ? decodedBands : decoded)(path, ...options);
+        const expected = (picture[2] === "multi" ? decodedBands : decoded)(path, ...options, ...lossy);
         const { width: columns, height: rows } = expected;
         const region = options.includes("--region") ? { x: 8, y: 4, width: 40, height: 24 } : { x: 0, y: 0, ...info };
         const found = stream.draw({ ...region, columns, rows });
