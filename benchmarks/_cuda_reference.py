@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from sgicodec.fit.noise import NoiseKey
 from sgicodec.fit.parameters import Parameters
 from sgicodec.model.spec import ModelSpec
-from tools.autograd.context_net import ContextNet
-from tools.autograd.quantization_proxy import QuantizationProxy
+from tests.support.torch_step.context_net import ContextNet
+from tests.support.torch_step.quantization_proxy import QuantizationProxy
 
 __all__ = ["rate_gradients"]
 

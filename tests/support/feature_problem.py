@@ -19,7 +19,7 @@ from sgicodec.model.steps import default_plan
 from sgicodec.profiles.fit_settings import FitSettings, Rounding
 from sgicodec.profiles.paper import paper_settings, paper_spec
 from sgicodec.raster.cpu import NativeRasterizer
-from tools.autograd.step import AutogradStep
+from tests.support.torch_step.step import AutogradStep
 
 __all__ = ["CASES", "HEIGHT", "LMBDA", "QUALITY", "SPECS", "WIDTH", "Problem", "assert_close"]
 

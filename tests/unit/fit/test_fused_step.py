@@ -20,11 +20,11 @@ from sgicodec.model.spec import ModelSpec
 from sgicodec.profiles.default import default_spec
 from sgicodec.profiles.fit_settings import FitSettings, Phase, Rounding
 from sgicodec.raster.cpu import NativeRasterizer
-from tools.autograd.context_net import ContextNet
-from tools.autograd.quantization_proxy import QuantizationProxy
-from tools.autograd.raster_op import error
-from tools.autograd.rate import bits_laplace
-from tools.autograd.step import AutogradStep
+from tests.support.torch_step.context_net import ContextNet
+from tests.support.torch_step.quantization_proxy import QuantizationProxy
+from tests.support.torch_step.raster_op import error
+from tests.support.torch_step.rate import bits_laplace
+from tests.support.torch_step.step import AutogradStep
 
 WIDTH, HEIGHT = 160, 120
 QUALITY, FAMILY, LMBDA, SEED = 62, 1, 0.004, 12345

@@ -21,9 +21,9 @@ from sgicodec.model.layout import SeedLayout
 from sgicodec.model.spec import ModelSpec
 from sgicodec.profiles.fit_settings import FitSettings, Rounding
 from sgicodec.raster.backend import Backend
-from tools.autograd.context_net import ContextNet, bits_by_mean
-from tools.autograd.quantization_proxy import QuantizationProxy, Sample
-from tools.autograd.raster_op import error
+from tests.support.torch_step.context_net import ContextNet, bits_by_mean
+from tests.support.torch_step.quantization_proxy import QuantizationProxy, Sample
+from tests.support.torch_step.raster_op import error
 
 __all__ = ["AutogradStep"]
 

@@ -11,7 +11,7 @@ from sgicodec.fit.context_weights import WEIGHT_SHIFT, ContextWeights, layer_sha
 from sgicodec.fit.weight_bits import ADDED_UNITS
 from sgicodec.model.context import INPUT_BITS, HashGrid, output_count
 from sgicodec.model.network import DIFFERENCE_SHIFT, INPUT_LIMIT
-from tools.autograd.context_inputs import hash_inputs
+from tests.support.torch_step.context_inputs import hash_inputs
 
 __all__ = ["ContextNet", "binarize", "bits_by_mean"]
 

@@ -20,7 +20,7 @@ from sgicodec.model.layout import uniform_layout
 from sgicodec.model.steps import default_plan
 from sgicodec.profiles.paper import paper_settings, paper_spec
 from sgicodec.raster.cpu import NativeRasterizer
-from tools.autograd.step import AutogradStep
+from tests.support.torch_step.step import AutogradStep
 
 WIDTH, HEIGHT, SEEDS, K, D, LMBDA = 36, 28, 9, 3, 5, 0.05
 SPEC = replace(paper_spec(3, per_seed=K, features=D))

@@ -20,8 +20,8 @@ from sgicodec.model.spec import ModelSpec
 from sgicodec.model.steps import StepPlan, default_plan
 from sgicodec.profiles.default import default_spec
 from sgicodec.profiles.paper import paper_spec
-from tools.autograd.context_net import ContextNet
-from tools.autograd.quantization_proxy import QuantizationProxy, Sample
+from tests.support.torch_step.context_net import ContextNet
+from tests.support.torch_step.quantization_proxy import QuantizationProxy, Sample
 
 SIZE = (160, 120)
 QUALITY, FAMILY = 62, 1

@@ -8,7 +8,7 @@ import torch
 from sgicodec.model.context import INPUT_BITS, HashGrid
 from sgicodec.model.layout import uniform_layout
 from sgicodec.profiles.paper import paper_spec
-from tools.autograd.context_inputs import hash_inputs
+from tests.support.torch_step.context_inputs import hash_inputs
 
 WIDTH, HEIGHT = 150, 90
 

@@ -32,9 +32,9 @@ from sgicodec.model.quantization import (
 from sgicodec.model.spec import ModelSpec
 from sgicodec.model.steps import AMPLITUDE_ZERO, REFINE_LIMIT, follows_amplitude
 from sgicodec.profiles.fit_settings import Rounding
-from tools.autograd.context_inputs import nearest_offset, neighbour_inputs, own_inputs
-from tools.autograd.context_net import ContextNet
-from tools.autograd.rate import bits_gaussian, bits_laplace
+from tests.support.torch_step.context_inputs import nearest_offset, neighbour_inputs, own_inputs
+from tests.support.torch_step.context_net import ContextNet
+from tests.support.torch_step.rate import bits_gaussian, bits_laplace
 
 __all__ = ["QuantizationProxy", "Sample"]
 

@@ -9,7 +9,7 @@ import torch
 
 from sgicodec.bitstream.entropy.tables import SCALES, frequency_tables
 from sgicodec.model.quantization import PER_OCTAVE, SCALE_ZERO
-from tools.autograd.rate import bits_gaussian, bits_laplace
+from tests.support.torch_step.rate import bits_gaussian, bits_laplace
 
 Rate = Callable[[torch.Tensor, torch.Tensor, torch.Tensor], torch.Tensor]
 
