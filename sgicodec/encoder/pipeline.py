@@ -17,13 +17,14 @@ from sgicodec.decoder.stream import open_stream
 from sgicodec.device import ALL_CORES, Device, check_device
 from sgicodec.encoder.blas_threads import one_blas_thread
 from sgicodec.encoder.encoded import Encoded, measured_error, measured_psnr
+from sgicodec.encoder.graphics import with_exact_views
 from sgicodec.encoder.input.overview import overview_picture, overview_settings, takes_overview
 from sgicodec.encoder.input.windows import Windows, kept, windows_of, without_needless_alpha
 from sgicodec.encoder.memory import estimate
 from sgicodec.encoder.plan import Plan, stream_plan
 from sgicodec.encoder.progress import NullListener, PassReporter
 from sgicodec.encoder.quality_calibration import with_quality_calibration
-from sgicodec.encoder.residual import residual_layer, with_exact_views
+from sgicodec.encoder.residual import residual_layer
 from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.encoder.tiles.checkpoint import fingerprint
 from sgicodec.encoder.tiles.passes import Finished, TilePasses
@@ -203,7 +204,7 @@ def _residual(request: _Request, finished: Finished, store: Store) -> bytes | No
         _write(file, finished, store, None)
         file.seek(0)
         with open_stream(file, request.device.processor) as stream:
-            return residual_layer(stream, request.windows, max_error, request.device)
+            return residual_layer(stream, request.windows, max_error, request.device, request.plan.exact_views)
 
 
 def _write(file: BinaryIO, finished: Finished, store: Store, residual: bytes | None) -> int:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import struct
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 from sgicodec import _native
 from sgicodec.bitstream.header import Header
 from sgicodec.bitstream.varint import encode_varint
-from sgicodec.encoder.graphics import Repeats, may_have_views
 from sgicodec.metadata.layouts import alpha_index
+from sgicodec.model.tile_grid import Rect
 
-__all__ = ["residual_form"]
+__all__ = ["Repeats", "block_rects", "residual_form"]
 
 _SCALES = (1, 10, 100, 1000, 10_000, 2, 4, 16, 64, 256, 1024, 4096)
 """Floats are often whole multiples of one over one of these."""
@@ -36,7 +36,9 @@ class _Grid:
         return reals + encode_varint(self.most) + encode_varint(self.max_error)
 
 
-def residual_form(header: Header, windows: Iterable[NDArray[Any]], max_error: float) -> bytes:
+def residual_form(
+    header: Header, windows: Iterable[NDArray[Any]], max_error: float, exact_views: bool = False
+) -> bytes:
     """What a residual layer states of all its blocks, by the samples [h, w, C] of all windows of its picture."""
     is_float = header.sample_type == "float32"
     channels = [(_Floats if is_float else _Integers)() for _ in range(header.spec.channels)]
@@ -59,8 +61,33 @@ def residual_form(header: Header, windows: Iterable[NDArray[Any]], max_error: fl
     if has_bits:
         grids = [channel.exact_grid() for channel in channels]
     stated = [grid.encode() for grid in grids if grid is not None]
-    flags = has_bits + 2 * (repeats.are_usual and may_have_views(header))
+    flags = has_bits + 2 * exact_views
     return struct.pack("<d", max_error) + encode_varint(flags) + b"".join(stated)
+
+
+def block_rects(header: Header) -> Iterator[Rect]:
+    """The blocks of a picture, in rows."""
+    side = _native.RESIDUAL_BLOCK
+    for y in range(0, header.height, side):
+        for x in range(0, header.width, side):
+            yield x, y, min(side, header.width - x), min(side, header.height - y)
+
+
+class Repeats:
+    """How many pixels are as the one to their left."""
+
+    def __init__(self) -> None:
+        self._alike = self._count = 0
+
+    def see(self, pixels: NDArray[Any]) -> None:
+        """More pixels [h, w, C]."""
+        self._alike += int(np.count_nonzero((pixels[:, 1:] == pixels[:, :-1]).all(axis=2)))
+        self._count += pixels.shape[0] * pixels.shape[1]
+
+    @property
+    def are_usual(self) -> bool:
+        """Whether more than half are, as in text, line art and screens."""
+        return 2 * self._alike > self._count
 
 
 class _Extent:

@@ -89,7 +89,7 @@ def pictures() -> dict[str, tuple[Picture, EncodeSettings]]:
             Picture(np.ascontiguousarray(photo.pixels[100:120, :600, 1:2]) * np.uint16(257), "gray", (0.0, 65535.0)),
             replace(quick, max_error=0),
         ),
-        "rgb8-drawing-lossless": (drawing(), replace(quick, max_error=0)),
+        "rgb8-drawing-lossless": (drawing(), EncodeSettings(max_error=0)),
         "float-tiles-lossless": (bare_floats(small[:48, :64], curved=True), replace(quick, tile=32, max_error=0)),
         "float-near": (bare_floats(small[:48, :64], curved=True), replace(quick, max_error=0.01)),
         "one-pixel": (Picture(small[:1, :1], "rgb", (0.0, 255.0)), quick),
