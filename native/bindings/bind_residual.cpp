@@ -49,6 +49,7 @@ auto code_residual(Samples samples, Samples drawn, nb::bytes header, nb::bytes f
 void bind_residual(nb::module_ &m) {
   m.attr("RESIDUAL_BLOCK") = sgi::kResidualBlock;
   m.attr("MAX_GRID_STEPS") = sgi::kMaxGridSteps;
+  m.attr("MAX_PALETTE") = sgi::kMaxColours;
   m.def("code_residual", &code_residual, "samples"_a, "drawn"_a, "header"_a, "form"_a,
         "Bits of a block [h, w, C] of a residual layer that begins with `form`, their P(1) in 2^-16, the CRC-32 of the "
         "samples that a reader finds.");

@@ -14,8 +14,6 @@ int32_t nearest(const ResidualGrid &grid, float sample) {
   return value > 0 ? value < grid.most ? int32_t(value) : grid.most : 0;
 }
 
-float sample_of(const ResidualGrid &grid, int32_t value) { return float(grid.base + grid.step * value); }
-
 // Numbers floats in the order of their size, one by one.
 int64_t rank_of(float sample) {
   int32_t bits;
@@ -35,6 +33,8 @@ bool is_nodata(const Header &header, size_t channel, float sample) {
 }
 
 }  // namespace
+
+float sample_of(const ResidualGrid &grid, int32_t value) { return float(grid.base + grid.step * value); }
 
 GridBlock on_grids(const Header &header, const ResidualForm &form, const float *drawn, int64_t width, size_t count) {
   const size_t channels = form.grids.size(), row = size_t(width) * channels;

@@ -9,6 +9,7 @@
 
 namespace sgi {
 
+constexpr int32_t kMaxColours = 256;                // of a palette
 constexpr int32_t kMaxGridSteps = (1 << 22) - 1;  // so that sums of errors in sixteenths fit in 32 bits
 
 // Values 0 ... `most` of a channel stand for samples base + step * value.
@@ -24,6 +25,9 @@ struct ResidualForm {
   bool has_bits;     // whether floats come back bit by bit, not only their values on the grid
   bool has_views;    // whether views at other scales and in other types are made from these samples
   std::vector<ResidualGrid> grids;
+  std::vector<int32_t> palette;  // [colours, channels] values of all that a pixel may be; empty where that is not stated
+
+  int32_t colours() const { return int32_t(palette.size() / grids.size()); }
 };
 
 // What the rest of the stream draws in a block, on the grids.
@@ -34,6 +38,8 @@ struct GridBlock {
 
 // drawn [pixels, channels], in rows of `width`.
 GridBlock on_grids(const Header &header, const ResidualForm &form, const float *drawn, int64_t width, size_t count);
+// A sample of a value.
+float sample_of(const ResidualGrid &grid, int32_t value);
 // The values nearest to samples [count].
 std::vector<int32_t> nearest_values(const ResidualForm &form, const float *samples, size_t count);
 

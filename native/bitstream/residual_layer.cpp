@@ -1,7 +1,9 @@
 #include "bitstream/residual_layer.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <map>
 
 #include "base/crc32.hpp"
 #include "base/error.hpp"
@@ -13,7 +15,7 @@ namespace sgi {
 namespace {
 
 constexpr size_t kCrcBytes = 4;
-constexpr int64_t kHasBits = 1, kHasViews = 2;
+constexpr int64_t kHasBits = 1, kHasViews = 2, kHasPalette = 4;
 
 [[noreturn]] void corrupt(const char *text) { throw Error(Fault::corrupt, std::string("residual layer: ") + text); }
 
@@ -36,8 +38,39 @@ bool is_sound(const ResidualGrid &grid, SampleType type) {
   return is_whole(grid.base) && is_whole(grid.step) && grid.base >= 0 && last <= largest_of(type);
 }
 
+// Codes which colour of the palette each pixel has; what is drawn says nothing of that.
+template <class Bits>
+bool code_colours(const ResidualBlock &block, Isa isa, Bits &bits, float *samples) {
+  const ResidualForm &form = block.form;
+  const size_t channels = form.grids.size(), pixels = block.samples() / channels;
+  const std::vector<int32_t> given = nearest_values(form, samples, block.samples());
+  std::map<std::vector<int32_t>, int32_t> numbers;
+  for (int32_t i = 0; i < form.colours(); ++i)
+    numbers[{&form.palette[size_t(i) * channels], &form.palette[size_t(i) * channels] + channels}] = i;
+  std::vector<int32_t> colours(pixels), pixel(channels);
+  for (size_t i = 0; i < pixels; ++i) {
+    const int32_t *values = &given[i * channels];
+    if (i && std::equal(values, values + channels, values - channels)) {
+      colours[i] = colours[i - 1];
+      continue;
+    }
+    pixel.assign(values, values + channels);
+    const auto found = numbers.find(pixel);
+    colours[i] = found == numbers.end() ? 0 : found->second;
+  }
+  const std::vector<ResidualGrid> grids{{0, 1, form.colours() - 1, 0}};
+  const ResidualShape shape{block.width, block.height, false, grids};
+  const GridBlock drawn{std::vector<int32_t>(pixels), std::vector<uint8_t>(pixels)};
+  if (!ResidualCoding<Bits>(shape, kernel_for<PredictorKernel>(isa), bits).code(colours, drawn)) return false;
+  for (size_t i = 0; i < pixels; ++i)
+    for (size_t c = 0; c < channels; ++c)
+      samples[i * channels + c] = sample_of(form.grids[c], form.palette[size_t(colours[i]) * channels + c]);
+  return true;
+}
+
 template <class Bits>
 bool code_block(const ResidualBlock &block, Isa isa, Bits &bits, float *samples) {
+  if (block.form.colours()) return code_colours(block, isa, bits, samples);
   const bool is_rgb = block.header.channels == ChannelLayout::rgb || block.header.channels == ChannelLayout::rgba;
   const ResidualShape shape{block.width, block.height, is_rgb, block.form.grids};
   const GridBlock drawn = on_grids(block.header, block.form, block.drawn, block.width, block.samples());
@@ -49,19 +82,36 @@ bool code_block(const ResidualBlock &block, Isa isa, Bits &bits, float *samples)
 }  // namespace
 
 int64_t longest_residual_form(const Header &header) {
-  return sizeof(double) + 1 + header.spec.channels * int64_t(2 * (sizeof(double) + kMaxVarintBytes));
+  const int64_t palette = kMaxVarintBytes + int64_t(kMaxColours) * header.spec.channels * kMaxVarintBytes;
+  return sizeof(double) + 1 + header.spec.channels * int64_t(2 * (sizeof(double) + kMaxVarintBytes)) + palette;
 }
 
 int64_t longest_residual_table(const Header &header) {
   return longest_residual_form(header) + count_of(header) * int64_t(kMaxVarintBytes + kCrcBytes);
 }
 
+namespace {
+
+void read_palette(Bytes start, size_t &at, ResidualForm &form) {
+  const int64_t count = decode_varint(start, at);
+  if (!count || count > kMaxColours || form.has_bits) corrupt("its palette has no sound size");
+  for (int64_t i = 0; i < count; ++i)
+    for (const ResidualGrid &grid : form.grids) {
+      const int64_t value = decode_varint(start, at);
+      if (value > grid.most || grid.max_error) corrupt("a colour of its palette is not on the grids");
+      form.palette.push_back(int32_t(value));
+    }
+}
+
+}  // namespace
+
 ResidualForm read_residual_form(const Header &header, Bytes start, size_t &at) {
-  ResidualForm form{read_real(start, at), false, false, std::vector<ResidualGrid>(size_t(header.spec.channels))};
+  ResidualForm form{read_real(start, at), false, false, std::vector<ResidualGrid>(size_t(header.spec.channels)), {}};
   if (!(form.max_error >= 0) || std::isinf(form.max_error)) corrupt("its greatest error is no number from 0 on");
   const int64_t flags = decode_varint(start, at);
   form.has_bits = flags & kHasBits, form.has_views = flags & kHasViews;
-  if (flags > (kHasBits | kHasViews) || (form.has_bits && header.sample_type != SampleType::f32) ||
+  if (flags > (kHasBits | kHasViews | kHasPalette) || (form.has_bits && header.sample_type != SampleType::f32) ||
+      ((flags & kHasPalette) && !form.has_views) ||
       (form.has_views && (header.masked != Masked::none || header.has_exact || header.alpha() >= 0)))
     corrupt("it has flags that do not go with the picture");
   for (ResidualGrid &grid : form.grids) {
@@ -71,6 +121,7 @@ ResidualForm read_residual_form(const Header &header, Bytes start, size_t &at) {
     if (most > kMaxGridSteps || max_error > most || !is_sound(grid, header.sample_type))
       corrupt("a channel has no sound grid");
   }
+  if (flags & kHasPalette) read_palette(start, at, form);
   return form;
 }
 

@@ -63,7 +63,7 @@ def _may_have(header: Header) -> bool:
 def _bits_of_pixel(header: Header, blocks: Iterable[NDArray[Any]]) -> float:
     """What a residual layer takes of these blocks, without loss and whatever is drawn below."""
     blocks = [np.ascontiguousarray(block, np.float32) for block in blocks]
-    form, bits = residual_form(header, blocks, 0), 0.0
+    form, bits = residual_form(header, blocks, 0, exact_views=True), 0.0
     for block in blocks:
         coded, ones, _ = _native.code_residual(block, np.zeros_like(block), encode_header(header), form)
         bits -= float(np.log2(np.where(coded, ones, 65536 - ones) / 65536).sum())

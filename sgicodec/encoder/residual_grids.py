@@ -42,9 +42,11 @@ def residual_form(
     """What a residual layer states of all its blocks, by the samples [h, w, C] of all windows of its picture."""
     is_float = header.sample_type == "float32"
     channels = [(_Floats if is_float else _Integers)() for _ in range(header.spec.channels)]
-    alpha, repeats = alpha_index(header.channels), Repeats()
+    alpha, repeats, palette = alpha_index(header.channels), Repeats(), _Palette()
     for pixels in windows:
         repeats.see(pixels)
+        if exact_views and not is_float:
+            palette.see(pixels)
         for number, channel in enumerate(channels):
             samples = pixels[..., number].ravel()
             is_measured = np.isfinite(samples)
@@ -60,9 +62,10 @@ def residual_form(
     has_bits = is_float and (max_error == 0 or None in grids)
     if has_bits:
         grids = [channel.exact_grid() for channel in channels]
-    stated = [grid.encode() for grid in grids if grid is not None]
-    flags = has_bits + 2 * exact_views
-    return struct.pack("<d", max_error) + encode_varint(flags) + b"".join(stated)
+    found = [grid for grid in grids if grid is not None]
+    has_palette = palette.is_small and not any(grid.max_error for grid in found)
+    head = struct.pack("<d", max_error) + encode_varint(has_bits + 2 * exact_views + 4 * has_palette)
+    return head + b"".join(grid.encode() for grid in found) + (palette.encode(found) if has_palette else b"")
 
 
 def block_rects(header: Header) -> Iterator[Rect]:
@@ -88,6 +91,45 @@ class Repeats:
     def are_usual(self) -> bool:
         """Whether more than half are, as in text, line art and screens."""
         return 2 * self._alike > self._count
+
+
+_PIXELS_OF_COLOUR = 1000
+"""Without as many, a palette takes more than it saves: 0.6 kB of a page of 384×384 pixels in 200 colours."""
+
+
+class _Palette:
+    """The colours of a picture of whole numbers, while they are few."""
+
+    def __init__(self) -> None:
+        self._colours: NDArray[Any] | None = None
+        self._pixels = 0
+
+    def see(self, pixels: NDArray[Any]) -> None:
+        """More pixels [h, w, C]."""
+        self._pixels += pixels.shape[0] * pixels.shape[1]
+        if self._colours is None or len(self._colours) <= _native.MAX_PALETTE:
+            is_new = np.ones(pixels.shape[:2], np.bool_)
+            is_new[:, 1:] = (pixels[:, 1:] != pixels[:, :-1]).any(axis=2)
+            known = [] if self._colours is None else [self._colours]
+            self._colours = np.unique(np.concatenate([*known, pixels[is_new]]), axis=0)
+
+    @property
+    def is_small(self) -> bool:
+        """Whether all colours are known, and few."""
+        count = _native.MAX_PALETTE + 1 if self._colours is None else len(self._colours)
+        return count <= min(_native.MAX_PALETTE, self._pixels // _PIXELS_OF_COLOUR)
+
+    def encode(self, grids: list[_Grid]) -> bytes:
+        """The number of colours, and their values, from the darkest on."""
+        colours = (
+            [] if self._colours is None else sorted(self._colours.tolist(), key=lambda colour: (sum(colour), colour))
+        )
+        values = [
+            round((sample - grid.base) / grid.step)
+            for colour in colours
+            for sample, grid in zip(colour, grids, strict=True)
+        ]
+        return encode_varint(len(colours)) + b"".join(map(encode_varint, values))
 
 
 class _Extent:

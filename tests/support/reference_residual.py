@@ -26,11 +26,18 @@ def block(
     has_bits: bool,
     nodata: list[float | None],
     code: Code,
+    palette: list[list[int]] | None = None,
 ) -> NDArray[np.float32]:
     """Samples [h, w, C] of a block. order: channels as they are coded; grids: base, step, largest value and greatest
-    error of each channel; nodata: that of each channel.
+    error of each channel; nodata: that of each channel; palette: values of each
+    colour.
     """
     height, width, count = drawn.shape
+    if palette:
+        nothing = np.zeros((height, width, 1), F32)
+        number = block(nothing, [0], [(0.0, 1.0, len(palette) - 1, 0)], False, [None], code)[..., 0].astype(int)
+        bases, steps = np.array([grid[:2] for grid in grids]).T
+        return (bases + steps * np.array(palette)[number]).astype(F32)
     held = ~np.isfinite(drawn)
     for c in range(count):
         held[..., c] |= drawn[..., c] == nodata[c] if nodata[c] is not None else False

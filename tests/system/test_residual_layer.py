@@ -307,6 +307,8 @@ def test_damage_is_found() -> None:
         (0, struct.pack("<d", math.nan), "greatest error"),
         (8, b"\1", "flags"),
         (8, b"\4", "flags"),
+        (8, b"\6", "palette"),
+        (8, b"\10", "flags"),
         (9, struct.pack("<d", -1.0), "grid"),
         (9, struct.pack("<d", 0.5), "grid"),
         (9, struct.pack("<d", math.nan), "grid"),
@@ -332,28 +334,29 @@ def test_two_layers_are_refused() -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "most"),
+    ("name", "most", "repeats"),
     [
-        ("rgb8", 0),
-        ("rgba8", 2),
-        ("twelve bits", 0),
-        ("seven bands", 1),
-        ("nodata in the middle", 3),
-        ("text", 0),
-        ("text", 20),
-        ("heights with holes", 0.05),
-        ("wild floats", 0),
+        ("rgb8", 0, 1),
+        ("rgba8", 2, 1),
+        ("twelve bits", 0, 1),
+        ("seven bands", 1, 1),
+        ("nodata in the middle", 3, 1),
+        ("text", 0, 1),
+        ("text", 0, 9),
+        ("text", 20, 1),
+        ("heights with holes", 0.05, 1),
+        ("wild floats", 0, 1),
     ],
 )
-def test_it_is_as_the_page_of_the_format_says(name: str, most: float) -> None:
-    """Probabilities and samples, by an implementation of the page."""
+def test_it_is_as_the_page_of_the_format_says(name: str, most: float, repeats: int) -> None:
+    """Probabilities and samples, by an implementation of the page; repeats: so large that it has a palette."""
     whole = KINDS[name]
     part = slice(2, 23), slice(2, 53)
     picture = replace(whole, pixels=np.ascontiguousarray(whole.pixels[part]))
     with open_stream(encode_picture(picture, QUICK).data) as stream:
         drawn, header = stream.picture().pixels.astype(np.float32), stream.header
     samples = picture.pixels.astype(np.float32)
-    form = residual_form(header, [picture.pixels], most)
+    form = residual_form(header, [picture.pixels] * repeats, most, exact_views=repeats > 1)
     bits, ones, crc = _native.code_residual(samples, drawn, encode_header(header), form)
     expected = iter(zip(bits.tolist(), ones.tolist(), strict=True))
 
@@ -366,16 +369,29 @@ def test_it_is_as_the_page_of_the_format_says(name: str, most: float) -> None:
     if picture.channels.startswith("rgb"):
         order[:2] = 1, 0
     nodata = [None if c == picture.alpha else header.blank for c in range(samples.shape[2])]
-    found = reference_residual.block(drawn, order, grids_of(form, len(order)), form[8] == 1, nodata, code)
+    grids, at = grids_of(form, len(order))
+    palette, at = palette_of(form, at, len(order)) if form[8] & 4 else ([], at)
+    assert at == len(form)
+    assert bool(palette) == (repeats > 1)
+    found = reference_residual.block(drawn, order, grids, form[8] & 1 == 1, nodata, code, palette)
     assert next(expected, None) is None
     assert zlib.crc32(found.astype("<f4").tobytes()) == crc
 
 
-def grids_of(form: bytes, channels: int) -> list[tuple[float, float, int, int]]:
+def palette_of(form: bytes, at: int, channels: int) -> tuple[list[list[int]], int]:
+    count, at = decode_varint(form, at)
+    values = []
+    for _ in range(count * channels):
+        value, at = decode_varint(form, at)
+        values.append(value)
+    return [values[i : i + channels] for i in range(0, len(values), channels)], at
+
+
+def grids_of(form: bytes, channels: int) -> tuple[list[tuple[float, float, int, int]], int]:
     grids, at = [], 9
     for _ in range(channels):
         base, step = struct.unpack_from("<2d", form, at)
         most, at = decode_varint(form, at + 16)
         max_error, at = decode_varint(form, at)
         grids.append((base, step, most, max_error))
-    return grids
+    return grids, at

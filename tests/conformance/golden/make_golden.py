@@ -99,7 +99,7 @@ def pictures() -> dict[str, tuple[Picture, EncodeSettings]]:
 def drawing() -> Picture:
     """Squares and lines of a few colours, over and over."""
     y, x = np.mgrid[:90, :130]
-    pixels = np.stack([x // 9 * y // 7 % 3 * 90, (x + y) // 11 % 2 * 255, (x // 17 + y // 5) % 4 * 60], axis=2)
+    pixels = np.stack([x // 9 * y // 7 % 2 * 90, (x + y) // 11 % 2 * 255, (x // 17 + y // 5) % 2 * 60], axis=2)
     return Picture(np.ascontiguousarray(pixels.astype(np.uint8)), "rgb", (0.0, 255.0))
 
 
