@@ -47,7 +47,7 @@ class ResidualCoding {
         for (int64_t x = left; x < right; ++x)
           if (!code_pixel(values.data(), drawn.held.data(), y, x)) return false;
       }
-      for (Channel &channel : channels_) channel.predictor.fade();
+      for (Channel &channel : channels_) channel.end_row();
     }
     return true;
   }
@@ -70,12 +70,12 @@ class ResidualCoding {
     std::array<int32_t, 2> misses{};  // steps from its guesses, up to kFarthest
   };
 
-  // What is known of a channel. The plane has two more rows above, and two more columns on either side.
+  // What is known of a channel: of the row that is coded, the two above, and two more columns on either side.
   struct Channel {
     Channel(const ResidualShape &shape, const PredictorKernel &kernel, int k, const ResidualGrid &grid)
         : predictor(kernel, shape.width, prior(k)), most(grid.most), max_error(grid.max_error),
           step(2 * grid.max_error + 1), scale(std::max(0, 24 - __builtin_clz(uint32_t(grid.most) | 1))),
-          stride(shape.width + 2 * kPad), known(size_t((shape.height + kPad) * stride)) {}
+          stride(shape.width + 2 * kPad), known(size_t((1 + kPad) * stride)) {}
 
     // The weights where nothing is known: a plane through the neighbours, and the difference of the channel before.
     static std::vector<double> prior(int k) {
@@ -84,7 +84,13 @@ class ResidualCoding {
       if (k) weights[size_t(kNear + kDrawn + (std::min(k, 2) - 1) * kOther)] = 0.8;
       return weights;
     }
-    const Known *at(int64_t y, int64_t x) const { return &known[size_t((y + kPad) * stride + x + kPad)]; }
+    // down: from the row that is coded, -2 to 0.
+    const Known *at(int64_t down, int64_t x) const { return &known[size_t((down + kPad) * stride + x + kPad)]; }
+    void end_row() {
+      predictor.fade();
+      std::copy(known.begin() + stride, known.end(), known.begin());
+      std::fill(known.end() - stride, known.end(), Known());
+    }
     // How many steps lie between values, to the nearest.
     int32_t steps(int32_t off) const { return (std::abs(off) + max_error) / step * (off < 0 ? -1 : 1); }
 
@@ -132,14 +138,13 @@ class ResidualCoding {
     constexpr int8_t other[kOther][2] = {{0, 0}, {0, -1}, {-1, 0}, {-1, 1}, {-1, -1}};
     int n = 0;
     const Channel &own = channels_[size_t(k)];
-    for (const auto &[down, across] : near) out[n++] = float(own.at(y + down, x + across)->difference);
+    for (const auto &[down, across] : near) out[n++] = float(own.at(down, x + across)->difference);
     n += drawn_differences(channel_at(k), y, x, out + n);
     for (int j = std::max(0, k - 2); j < k; ++j)
-      for (const auto &[down, across] : other)
-        out[n++] = float(channels_[size_t(j)].at(y + down, x + across)->difference);
+      for (const auto &[down, across] : other) out[n++] = float(channels_[size_t(j)].at(down, x + across)->difference);
     if (k) n += drawn_differences(channel_at(k - 1), y, x, out + n);
-    const int32_t left = own.at(y, x - 1)->value, above = own.at(y - 1, x)->value;
-    const int32_t plane = left + above - own.at(y - 1, x - 1)->value;
+    const int32_t left = own.at(0, x - 1)->value, above = own.at(-1, x)->value;
+    const int32_t plane = left + above - own.at(-1, x - 1)->value;
     out[n++] = float(std::clamp(plane, std::min(left, above), std::max(left, above)) - drawn_at(channel_at(k), y, x));
     return n;
   }
@@ -196,7 +201,7 @@ class ResidualCoding {
       if (is_solved_)
         code_value(value, k, y, x, true);
       else
-        note(channels_[size_t(k)], y, x, {value - drawn_at(c, y, x), 0, value, {0, 0}});
+        note(channels_[size_t(k)], x, {value - drawn_at(c, y, x), 0, value, {0, 0}});
     }
   }
 
@@ -211,7 +216,7 @@ class ResidualCoding {
   int32_t hold(int k, int64_t y, int64_t x) {
     Known known;
     known.value = drawn_at(channel_at(k), y, x);
-    note(channels_[size_t(k)], y, x, known);
+    note(channels_[size_t(k)], x, known);
     return known.value;
   }
 
@@ -234,7 +239,7 @@ class ResidualCoding {
     const auto spread = float(context.spread);
     own.predictor.learn(values, 1 / (1 + spread * spread * (0.6f / (kFraction * kFraction))));
     const auto miss = [&](int32_t guess) { return std::min(kFarthest, std::abs(own.steps(value - guess))); };
-    note(own, y, x,
+    note(own, x,
          {value - drawn,
           std::abs((value * kFraction - exact) / own.step),
           value,
@@ -243,29 +248,29 @@ class ResidualCoding {
   }
 
   // Keeps what a sample was, also beyond the ends of a row.
-  void note(Channel &own, int64_t y, int64_t x, const Known &known) {
+  void note(Channel &own, int64_t x, const Known &known) {
     const int64_t first = x ? x : -kPad, last = x == shape_.width - 1 ? x + kPad : x;
-    for (int64_t i = first; i <= last; ++i) own.known[size_t(own.at(y, i) - own.known.data())] = known;
+    for (int64_t i = first; i <= last; ++i) own.known[size_t(own.at(0, i) - own.known.data())] = known;
   }
 
   // What the channel before, or the neighbours, did here, this channel does: nothing down or across, or the same step.
-  Guess copied(int k, int64_t y, int64_t x) const {
+  Guess copied(int k, int64_t x) const {
     const int64_t up = channels_[size_t(k)].stride;
-    const Known *own = channels_[size_t(k)].at(y, x);
+    const Known *own = channels_[size_t(k)].at(0, x);
     const int32_t left = own[-1].value, above = own[-up].value, corner = own[-up - 1].value;
     if (!k) return left == corner ? Guess{above, 1} : above == corner ? Guess{left, 2} : Guess{left, 0};
-    const Known *before = channels_[size_t(k - 1)].at(y, x);
+    const Known *before = channels_[size_t(k - 1)].at(0, x);
     if (before->value == before[-up].value) return {above, 1};
     if (before->value == before[-1].value) return {left, 2};
     return {left + before->value - before[-1].value, 3};
   }
 
   // The sample above, and the step that the first channel made from there.
-  Guess moved(int k, int64_t y, int64_t x, int32_t copy) const {
+  Guess moved(int k, int64_t x, int32_t copy) const {
     const int64_t up = channels_[size_t(k)].stride;
-    const int32_t above = channels_[size_t(k)].at(y, x)[-up].value;
+    const int32_t above = channels_[size_t(k)].at(0, x)[-up].value;
     if (!k) return {above, above == copy ? 0u : 3u};
-    const Known *first = channels_[0].at(y, x);
+    const Known *first = channels_[0].at(0, x);
     const int32_t value = above + first->value - first[-up].value;
     return {value, value == copy ? 1u : 2u};
   }
@@ -281,13 +286,13 @@ class ResidualCoding {
 
   Sample sample_context(int k, int64_t y, int64_t x, int32_t middle, int32_t fraction) const {
     const Channel &own = channels_[size_t(k)];
-    const Known *here = own.at(y, x);
+    const Known *here = own.at(0, x);
     const int64_t up = own.stride;
     const int32_t near = (4 * here[-1].magnitude + 4 * here[-up].magnitude + 2 * here[-up - 1].magnitude +
                           2 * here[-up + 1].magnitude + here[-2].magnitude + here[-2 * up].magnitude) /
                          14;
-    const int32_t before = k ? channels_[size_t(k - 1)].at(y, x)->magnitude : 0;
-    const int32_t earlier = k > 1 ? channels_[size_t(k - 2)].at(y, x)->magnitude : before;
+    const int32_t before = k ? channels_[size_t(k - 1)].at(0, x)->magnitude : 0;
+    const int32_t earlier = k > 1 ? channels_[size_t(k - 2)].at(0, x)->magnitude : before;
     const int32_t spread = !k       ? near
                            : k == 1 ? (10 * near + 6 * before) / 16
                                     : (10 * near + 3 * before + 3 * earlier) / 16;
@@ -297,7 +302,7 @@ class ResidualCoding {
                              std::abs(drawn_at(c, y + 1, x) - drawn_at(c, y - 1, x));
     const uint32_t quarter = own.step > 1 ? 1 : uint32_t(fraction + 8) >> 2, is_above = fraction >= 0;
     const uint32_t coarse = size_class(uint32_t(spread), 1, 32);
-    const Guess copy = copied(k, y, x), move = moved(k, y, x, copy.value);
+    const Guess copy = copied(k, x), move = moved(k, x, copy.value);
     const std::array<uint32_t, ResidualModels::kMixed> context{
         size_class(uint32_t(spread), 3, 128) * 4 + quarter, (coarse * 11 + level(before)) * 11 + level(earlier),
         (uint32_t(middle) >> own.scale) * 8 + std::min(coarse / 2, 7u),
