@@ -31,6 +31,12 @@ class _Grid:
     most: int
     max_error: int = 0
 
+    def coarser(self) -> _Grid:
+        """One on which no sample is off by more, and samples that are equal stay equal."""
+        factor = 2 * self.max_error + 1
+        most, rest = divmod(self.most, factor)
+        return _Grid(self.base + min(rest, self.max_error) * self.step, factor * self.step, most)
+
     def encode(self) -> bytes:
         reals = struct.pack("<2d", self.base, self.step)
         return reals + encode_varint(self.most) + encode_varint(self.max_error)
@@ -57,8 +63,8 @@ def residual_form(
         channel.grid(max_error if is_float or number != alpha else 0, header.blank)
         for number, channel in enumerate(channels)
     ]
-    if repeats.are_usual:  # exact ones take less
-        grids = [grid and replace(grid, max_error=0) for grid in grids]
+    if repeats.are_usual:  # a coarse grid must not hold nodata
+        grids = [grid and (grid.coarser() if header.blank is None else replace(grid, max_error=0)) for grid in grids]
     has_bits = is_float and (max_error == 0 or None in grids)
     if has_bits:
         grids = [channel.exact_grid() for channel in channels]
