@@ -20,8 +20,8 @@ from sgicodec import read
 from sgicodec._native import TextureModels
 from sgicodec.encoder.plan import Shape, stream_plan
 from sgicodec.encoder.settings import EncodeSettings
-from sgicodec.encoder.tile.inputs import tile_of
 from sgicodec.encoder.tile.stages import fit_seeds
+from sgicodec.encoder.tile.state import tile_of
 from sgicodec.encoder.tile.texture import begin_texture
 from sgicodec.encoder.tile.texture_steps import TUNINGS, Masking
 from sgicodec.model.texture_symbols import TextureSymbols

@@ -12,9 +12,8 @@ from sgicodec.bitstream.parts.tile import read_tile
 from sgicodec.bitstream.parts.tile_chunk import decode_tile_chunk
 from sgicodec.device import Device
 from sgicodec.encoder.plan import Plan
-from sgicodec.encoder.tile.inputs import tile_of
 from sgicodec.encoder.tile.stages import encode, prepare, rd_model, texture, with_model
-from sgicodec.encoder.tile.state import Tile, TileListener
+from sgicodec.encoder.tile.state import Tile, TileListener, tile_of
 from sgicodec.encoder.tile.target import write_at_target
 from sgicodec.encoder.tile.writing import WrittenTile, decoded, network_weights, write, write_nothing
 from sgicodec.executors.threads import stopping
@@ -125,11 +124,8 @@ def _fitted(tile: Tile) -> tuple[WrittenTile, str | None]:
     return (write(encode(tile)), None) if target is None else write_at_target(tile, target)
 
 
-class _Waiting:
-    """A `TileListener` of a worker, whose work ends where nobody waits for it any more."""
-
-    def stage(self, name: str) -> None:
-        """Nobody asks."""
+class _Waiting(TileListener):
+    """In a worker, whose work ends where nobody waits for it any more."""
 
     def step(self, progress: Progress) -> bool:
         """As in `TileListener`."""

@@ -14,10 +14,9 @@ from sgicodec.encoder.plan import Shape, stream_plan
 from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.encoder.tile import stages
 from sgicodec.encoder.tile.handover import HANDOVER, Handover
-from sgicodec.encoder.tile.inputs import tile_of
 from sgicodec.encoder.tile.sharing import MIN_WEIGHT, POSITION_BITS, searched_cost
 from sgicodec.encoder.tile.stages import encode, fit, prepare, share
-from sgicodec.encoder.tile.state import Prepared
+from sgicodec.encoder.tile.state import Prepared, tile_of
 from sgicodec.encoder.tile.texture_steps import TUNINGS
 from sgicodec.encoder.tile.writing import write
 from sgicodec.fit.trainer import Trainer

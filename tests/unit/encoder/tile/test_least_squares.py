@@ -12,10 +12,9 @@ import numpy as np
 from sgicodec import EncodeSettings, Picture, read
 from sgicodec.encoder.effort import Tune
 from sgicodec.encoder.plan import Shape, stream_plan
-from sgicodec.encoder.tile.inputs import tile_of
 from sgicodec.encoder.tile.least_squares import requantise_seeds_under_texture, with_seeds_for
 from sgicodec.encoder.tile.stages import fit_seeds, texture
-from sgicodec.encoder.tile.state import TileState, Watch
+from sgicodec.encoder.tile.state import TileState, Watch, tile_of
 from sgicodec.encoder.tile.writing import decoded, write
 from sgicodec.metrics.distortion import squared_error
 

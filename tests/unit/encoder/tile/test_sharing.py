@@ -12,7 +12,6 @@ from sgicodec.device import ALL_CORES
 from sgicodec.encoder.effort import UNSCOUTED_PRICE
 from sgicodec.encoder.plan import Shape, stream_plan
 from sgicodec.encoder.settings import EncodeSettings
-from sgicodec.encoder.tile.inputs import tile_of
 from sgicodec.encoder.tile.sharing import (
     FULL,
     MIN_WEIGHT,
@@ -22,7 +21,7 @@ from sgicodec.encoder.tile.sharing import (
     superblock_weights,
 )
 from sgicodec.encoder.tile.stages import encode, prepare, share
-from sgicodec.encoder.tile.state import Prepared
+from sgicodec.encoder.tile.state import Prepared, tile_of
 from sgicodec.encoder.tile.texture_steps import TUNINGS
 from sgicodec.encoder.tile.writing import write
 from sgicodec.picture import Picture

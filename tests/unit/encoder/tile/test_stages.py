@@ -11,10 +11,9 @@ import pytest
 from sgicodec import EncodeSettings, Picture, read
 from sgicodec.encoder.effort import Tune
 from sgicodec.encoder.plan import Shape, stream_plan
-from sgicodec.encoder.tile.inputs import tile_of
 from sgicodec.encoder.tile.least_squares import requantise_seeds_under_texture
 from sgicodec.encoder.tile.stages import encode, fit, fit_seeds, prepare, rdoq, share, texture
-from sgicodec.encoder.tile.state import Tile
+from sgicodec.encoder.tile.state import Tile, tile_of
 from sgicodec.encoder.tile.texture import begin_texture
 from sgicodec.encoder.tile.writing import write
 

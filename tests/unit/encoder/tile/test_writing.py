@@ -12,8 +12,7 @@ import pytest
 from sgicodec.decoder.stream import open_stream
 from sgicodec.encoder.plan import Shape, stream_plan
 from sgicodec.encoder.settings import EncodeSettings
-from sgicodec.encoder.tile.inputs import tile_of
-from sgicodec.encoder.tile.state import Tile
+from sgicodec.encoder.tile.state import Tile, tile_of
 from sgicodec.encoder.tile.writing import measured, stream_of, write_nothing
 from sgicodec.picture import Metadata, Picture
 from sgicodec.rate_control.target import RateTarget
