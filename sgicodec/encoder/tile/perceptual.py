@@ -10,7 +10,6 @@ import numpy as np
 
 from sgicodec.encoder.tile.score_ascent import Offsets, ScoreAscent
 from sgicodec.encoder.tile.state import TileState
-from sgicodec.encoder.tile.texture import begin_texture, best_layer, best_strength
 from sgicodec.model.texture_symbols import TextureSymbols
 from sgicodec.rdoq.texture import TextureSearch
 
@@ -18,23 +17,23 @@ __all__ = ["CalibratedSteps", "Perceptual"]
 
 
 class Perceptual:
-    """The `TextureStrategy` of the best scores for the bits."""
+    """Texture of the best scores for the bits."""
 
     def lay(self, state: TileState) -> TileState:
-        """As in `TextureStrategy`, or for the quality that the plan is calibrated to."""
-        state, search = begin_texture(state)
+        """As in `LeastSquares`, or for the quality that the plan is calibrated to."""
+        state, search = state.begin_texture()
         tuning = state.tile.tuning
         price = tuning.price(state.lmbda)
         state, blocks, step = self._ascended(state, search, tuning.step(state.lmbda), price)
-        return state.with_texture(best_layer(state, search, step, price, blocks), state.strength)
+        return state.with_texture(state.best_layer(search, step, price, blocks), state.strength)
 
     def aim(self, state: TileState, search: TextureSearch, step: int) -> tuple[TileState, TextureSearch]:
-        """As in `TextureStrategy`: with what the ascent made of the search."""
+        """As in `LeastSquares`: with what the ascent made of the search."""
         return self._ascended(state, search, step)[0], search
 
     def lay_at(self, state: TileState, search: TextureSearch, step: int, price: float | None = None) -> TileState:
-        """As in `TextureStrategy`."""
-        return state.with_texture(best_layer(state, search, step, price), state.strength)
+        """As in `LeastSquares`."""
+        return state.with_texture(state.best_layer(search, step, price), state.strength)
 
     def _ascended(
         self, state: TileState, search: TextureSearch, step: int, price: float | None = None
@@ -43,15 +42,15 @@ class Perceptual:
         step of the next. Moves what `search` looks for.
         """
         tile, passes = state.tile, state.tile.effort.ascent_passes
-        first = best_layer(state, search, step, price)
-        state = replace(state, strength=best_strength(state, search, first))
+        first = state.best_layer(search, step, price)
+        state = replace(state, strength=state.best_strength(search, first))
         ascent = ScoreAscent(tile.unit, tile.spec.luma_space, tile.empty, tile.device, state.strength)
         steps = CalibratedSteps(tile.plan.calibrated_quality, step, passes)
 
         def next_layer(blocks: TextureSymbols | None, score: float | None, offsets: Offsets) -> TextureSymbols | None:
             if score is None:
                 return first
-            return best_layer(replace(state, step_offsets=offsets), search, steps.after(score), price, blocks)
+            return replace(state, step_offsets=offsets).best_layer(search, steps.after(score), price, blocks)
 
         blocks, score, offsets = ascent.run(search, next_layer, state.step_offsets, passes, tile.watch.ending)
         return replace(state, step_offsets=offsets), blocks, steps.after(score)

@@ -22,7 +22,6 @@ from sgicodec.encoder.tile.least_squares import LeastSquares, requantise_seeds_u
 from sgicodec.encoder.tile.perceptual import Perceptual
 from sgicodec.encoder.tile.sharing import TextureCosts, seed_weights
 from sgicodec.encoder.tile.state import Prepared, Tile, TileState
-from sgicodec.encoder.tile.texture import TextureStrategy
 from sgicodec.fit.base_layer import base_layer
 from sgicodec.fit.trainer import Fitted, Trainer
 from sgicodec.metrics.distortion import QuadraticReference, Reference, mean_weight
@@ -44,7 +43,7 @@ __all__ = [
     "with_model",
 ]
 
-STRATEGIES: dict[str, TextureStrategy] = {"psnr": LeastSquares(), "visual": Perceptual()}
+STRATEGIES: dict[str, LeastSquares | Perceptual] = {"psnr": LeastSquares(), "visual": Perceptual()}
 """By what an encode is tuned for."""
 
 _MIN_TAUGHT_SEEDS = 64

@@ -26,7 +26,8 @@ from sgicodec.model.spec import ModelSpec
 from sgicodec.model.texture_symbols import TextureSymbols
 from sgicodec.picture import Picture
 from sgicodec.profiles.fit_settings import FitSettings
-from sgicodec.rdoq import can_optimise
+from sgicodec.rdoq import Objective, can_optimise
+from sgicodec.rdoq.texture import TextureSearch, colours_for
 
 if TYPE_CHECKING:
     from sgicodec.fit.trainer import Progress
@@ -220,3 +221,29 @@ class TileState(Prepared):
         """The tile with this layer, restored with this strength; None for none."""
         restoration = None if texture is None or strength is None else strength.over(texture)
         return replace(self, model=replace(self.model, texture=texture, restoration=restoration))
+
+    def begin_texture(self) -> tuple[TileState, TextureSearch]:
+        """The tile with the offsets of its λ, and what searches texture over its seeds as decoders have them."""
+        tile, tuning = self.tile, self.tile.tuning
+        steps = tuning.steps(tuning.step(self.lmbda), tile.spec.channels)
+        offsets = tile.masking.offsets(steps)
+        left = Objective(self.header, tile.unit, tile.device).decoded_residual(self.model)[:, :, : tile.unit.shape[2]]
+        colours = colours_for(left, steps, tuning.price(self.lmbda), offsets, tile.device)
+        search = TextureSearch(left, tile.device, tile.effort.split_margin, colours=colours)
+        return replace(self, step_offsets=offsets), search
+
+    def best_layer(
+        self, search: TextureSearch, step: int, price: float | None = None, blocks: TextureSymbols | None = None
+    ) -> TextureSymbols | None:
+        """The layer of least cost, None where nothing is worth its bits. step: index of the lowest step; price: λ in
+        squared steps, None for what suits them; blocks: a layer whose blocks are taken, None for the best.
+        """
+        tuning = self.tile.tuning
+        price = tuning.squared_steps if price is None else price
+        return search.at(tuning.steps(step, self.tile.spec.channels), price, self.step_offsets, blocks)
+
+    def best_strength(self, search: TextureSearch, layer: TextureSymbols | None) -> Strength | None:
+        """With which to restore what this layer shows, None where that is better as it is."""
+        if layer is None or not self.tile.spec.restoration:
+            return None
+        return self.tile.restorer.strength(search, layer, self.lmbda)

@@ -11,7 +11,6 @@ from typing import NamedTuple
 from sgicodec.encoder.tile.restoration import Strength
 from sgicodec.encoder.tile.stages import STRATEGIES, fit_seeds, prepare, rd_model
 from sgicodec.encoder.tile.state import Tile, TileState
-from sgicodec.encoder.tile.texture import begin_texture
 from sgicodec.encoder.tile.writing import WrittenTile, measured, network_weights, write
 from sgicodec.model.texture_symbols import STEP_COUNT
 from sgicodec.rate_control.rd_model import initial_lmbda, network_bytes
@@ -70,7 +69,7 @@ def _at_target(state: TileState, target: RateTarget) -> tuple[_Tried, float, Str
     tile = state.tile
     strategy, first = STRATEGIES[tile.settings.tuned_for], tile.tuning.step(state.lmbda)
     tile.watch.stage("texture")
-    state, search = begin_texture(state)
+    state, search = state.begin_texture()
     tried: dict[float, _Tried] = {}
     none_from = math.inf  # the shift from which on there is no texture
 

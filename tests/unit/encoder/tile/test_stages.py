@@ -14,7 +14,6 @@ from sgicodec.encoder.plan import Shape, stream_plan
 from sgicodec.encoder.tile.least_squares import requantise_seeds_under_texture
 from sgicodec.encoder.tile.stages import encode, fit, fit_seeds, prepare, rdoq, share, texture
 from sgicodec.encoder.tile.state import Tile, tile_of
-from sgicodec.encoder.tile.texture import begin_texture
 from sgicodec.encoder.tile.writing import write
 
 PHOTO = Path(__file__).parents[3] / "data" / "kodim13.png"
@@ -50,7 +49,7 @@ def test_the_same_again(tune: Tune) -> None:
 def test_what_a_search_learns_stays_with_it() -> None:
     """An ascent moves what its own search looks for, and the offsets of the state that it returns."""
     tile = tile_for("visual")
-    state, _ = begin_texture(fit_seeds(tile, tile.fit.lmbda))
+    state, _ = fit_seeds(tile, tile.fit.lmbda).begin_texture()
     assert state.step_offsets is not None
     before = state.step_offsets.copy()
     texture(state)
