@@ -15,11 +15,9 @@ from typing import TYPE_CHECKING, BinaryIO
 from sgicodec.bitstream.stream_writer import write_stream
 from sgicodec.decoder.stream import open_stream
 from sgicodec.device import ALL_CORES, Device, check_device
-from sgicodec.encoder.blas_threads import one_blas_thread
 from sgicodec.encoder.encoded import Encoded, measured_error, measured_psnr
 from sgicodec.encoder.input.overview import overview_picture, overview_settings, takes_overview
 from sgicodec.encoder.input.windows import Windows, kept, windows_of, without_needless_alpha
-from sgicodec.encoder.memory import estimate
 from sgicodec.encoder.plan import Plan, stream_plan
 from sgicodec.encoder.progress import NullListener, PassReporter
 from sgicodec.encoder.quality_calibration import with_quality_calibration
@@ -27,12 +25,11 @@ from sgicodec.encoder.residual import residual_layer, with_exact_views
 from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.encoder.tiles.checkpoint import fingerprint
 from sgicodec.encoder.tiles.passes import Finished, TilePasses
-from sgicodec.encoder.tiles.runner import TileRunner
+from sgicodec.encoder.tiles.runner import TileRunner, one_blas_thread, within_memory
 from sgicodec.encoder.tiles.store import MemoryStore, Store
 from sgicodec.encoder.tiles.tasks import FitTask
 from sgicodec.errors import TargetMissedError, UsageError
-from sgicodec.executors.executor import Executor, Memory
-from sgicodec.executors.serial import SerialExecutor
+from sgicodec.executors.executor import Executor
 from sgicodec.files.lock import locked
 from sgicodec.files.whole import whole_file
 from sgicodec.picture import Picture
@@ -76,7 +73,7 @@ def encode_picture(
     if not isinstance(settings, EncodeSettings | None):
         raise UsageError(f"settings {settings!r}; they must be EncodeSettings")
     plan = stream_plan(windows.shape, settings or EncodeSettings())
-    _within_memory(windows, plan, executor)
+    within_memory(windows, plan, executor)
     if not plan.header.tile:
         windows = kept(windows)
     if windows.shape.remark is not None:
@@ -159,7 +156,7 @@ _NOTHING = {
 def _encoded(request: _Request, executor: Executor | None = None, store: Store | None = None) -> Encoded:
     """Raises TargetMissedError, with the nearest stream."""
     plan, windows, listener = request.plan, request.windows, request.listener
-    executor, memory = _within_memory(windows, plan, executor)
+    executor, memory = within_memory(windows, plan, executor)
     listener.planned(plan, executor.workers, memory)
     listener.stage("load")
     runner = TileRunner(windows, plan, executor, request.device)
@@ -182,15 +179,6 @@ def _encoded(request: _Request, executor: Executor | None = None, store: Store |
     if finished.missed is not None:
         raise TargetMissedError(finished.missed, encoded)
     return encoded
-
-
-def _within_memory(windows: Windows, plan: Plan, executor: Executor | None) -> tuple[Executor, Memory]:
-    """The executor with no more workers than there is memory for, and what that takes. Raises UsageError where one is
-    too many.
-    """
-    grid = plan.header.grid
-    memory = estimate(plan, windows.memory(*grid.rect(0)[2:]))
-    return (executor or SerialExecutor()).within(memory, grid.count), memory
 
 
 def _residual(request: _Request, finished: Finished, store: Store) -> bytes | None:
