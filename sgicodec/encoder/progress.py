@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 
 from sgicodec.encoder.plan import Plan
 from sgicodec.encoder.tile.state import TileListener
-from sgicodec.encoder.tiles.tasks import EncodedTile
+from sgicodec.encoder.tile.writing import EncodedTile
 from sgicodec.executors.executor import Memory
 from sgicodec.metrics.distortion import decibels
 

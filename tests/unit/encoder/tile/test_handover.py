@@ -133,10 +133,10 @@ def test_an_encode_hands_over_once_and_searches_by_the_same_weights(monkeypatch:
 def test_who_does_not_hand_over(settings: dict[str, Any], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Handover, "run", lambda self: pytest.fail("handed over"))
     part = prepared(half_texture(32, 64), rdoq=False, **settings)
-    assert write(encode(part.tile)).chunk
+    assert write(encode(part.tile)).payload
 
 
 def test_the_stream_does_not_depend_on_what_runs_beside_the_fit() -> None:
     tile = prepared(half_texture(64, 96)).tile
-    one, two = (write(encode(tile_of(tile.picture, tile.plan, Device(threads)))).chunk for threads in (1, 2))
+    one, two = (write(encode(tile_of(tile.picture, tile.plan, Device(threads)))).payload for threads in (1, 2))
     assert one == two

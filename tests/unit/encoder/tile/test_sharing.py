@@ -125,7 +125,7 @@ def test_every_kind_of_picture(shape: tuple[int, ...], channels: str) -> None:
         assert weights.min() > 0
         assert weights.max() <= 1
     if not part.tile.holds_nothing:
-        assert write(encode(part.tile)).chunk
+        assert write(encode(part.tile)).payload
 
 
 def test_cells_count_as_their_seeds_save() -> None:

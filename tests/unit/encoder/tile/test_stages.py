@@ -39,11 +39,11 @@ def test_the_same_again(tune: Tune) -> None:
     shown = texture(seeds)
     assert (seeds is searched) == (tune == "visual")
     assert shown.model.texture is not None
-    expected = write(shown).chunk
-    assert write(texture(seeds)).chunk == expected
-    assert write(texture(requantise_seeds_under_texture(searched))).chunk == expected
-    assert write(texture(requantise_seeds_under_texture(rdoq(fitted)))).chunk == expected
-    assert write(encode(tile)).chunk == expected
+    expected = write(shown).payload
+    assert write(texture(seeds)).payload == expected
+    assert write(texture(requantise_seeds_under_texture(searched))).payload == expected
+    assert write(texture(requantise_seeds_under_texture(rdoq(fitted)))).payload == expected
+    assert write(encode(tile)).payload == expected
 
 
 def test_what_a_search_learns_stays_with_it() -> None:
