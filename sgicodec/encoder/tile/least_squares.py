@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec.encoder.tile.state import TileState
-from sgicodec.rdoq import Rdoq, RdoqSettings
+from sgicodec.rdoq import Objective, RdoqSettings, searched_once
 from sgicodec.rdoq.texture import TextureSearch
 
 __all__ = ["LeastSquares", "requantise_seeds_under_texture"]
@@ -77,6 +77,5 @@ def with_seeds_for(state: TileState, left: NDArray[np.float32]) -> TileState:
     """The tile with its seeds' symbols searched once more for what is left to them [C, H, W]: the picture less all that
     is shown over them.
     """
-    tile, price = state.tile, DEARER * state.lmbda
-    search = Rdoq(state.header, state.model, left, price, SETTINGS, tile.device, tile.reference)
-    return replace(state, model=search.once())
+    objective = Objective(state.header, left, state.tile.device, state.tile.reference)
+    return replace(state, model=searched_once(objective, state.model, DEARER * state.lmbda, SETTINGS))

@@ -27,7 +27,7 @@ from sgicodec.fit.trainer import Fitted, Trainer
 from sgicodec.metrics.distortion import QuadraticReference, Reference, mean_weight
 from sgicodec.model.layout import ROOT_LOG, SeedLayout, adaptive_layout, cell_sums, uniform_layout
 from sgicodec.rate_control.rd_model import RdModel
-from sgicodec.rdoq import Rdoq
+from sgicodec.rdoq import Objective, best_model, searched_once
 
 __all__ = [
     "STRATEGIES",
@@ -163,13 +163,15 @@ def rdoq(state: TileState, min_passes: int = 0) -> TileState:
     if not tile.has_rdoq:
         return state
     tile.watch.stage("search")
-    known = state.header, state.model, tile.unit, state.fit.lmbda
-    search = Rdoq(*known, tile.effort.rdoq, tile.device, state.seed_reference)
-    if search.settings.passes == 1 and not tile.watch.ending():
-        return replace(state, model=search.once())
-    passes = max(search.settings.passes, min_passes)
-    result = search.best(passes, lambda: search.passes >= min_passes and tile.watch.ending())
-    return replace(state, model=result.model)
+    objective = Objective(state.header, tile.unit, tile.device, state.seed_reference)
+    settings, lmbda = tile.effort.rdoq, state.fit.lmbda
+    if settings.passes == 1 and not tile.watch.ending():
+        return replace(state, model=searched_once(objective, state.model, lmbda, settings))
+    settings = replace(settings, passes=max(settings.passes, min_passes))
+    model, _ = best_model(
+        objective, state.model, lmbda, settings, lambda done: done >= min_passes and tile.watch.ending()
+    )
+    return replace(state, model=model)
 
 
 def texture(state: TileState) -> TileState:
