@@ -34,8 +34,6 @@ SEED_THREADS, PRICE_THREADS, REPORT_THREADS = (_SIZES[f"k{name}Threads"] for nam
 ADD_THREADS, SUM_THREADS, MOVE_THREADS = 256, 128, 256
 MAX_CHUNKS = 512
 """Rows of sums over seeds: enough blocks for any GPU, few enough to be added by one thread for each sum."""
-MAX_ARRAYS = 8
-"""That one step moves (AdamArguments)."""
 
 
 class StepKind(NamedTuple):
