@@ -45,8 +45,8 @@ from sgicodec.encoder.pipeline import encode_picture
 from sgicodec.encoder.plan import stream_plan
 from sgicodec.encoder.progress import NullListener
 from sgicodec.encoder.settings import EncodeSettings
-from sgicodec.encoder.tile.inputs import tile_of
 from sgicodec.encoder.tile.stages import fit, prepare, share
+from sgicodec.encoder.tile.state import tile_of
 from sgicodec.errors import MissingExtraError, TargetMissedError
 from sgicodec.executors.serial import SerialExecutor
 from sgicodec.executors.threads import ThreadExecutor

@@ -22,9 +22,8 @@ if TYPE_CHECKING:
     from sgicodec.decoder.stream import Stream
     from sgicodec.decoder.stream import open_stream as open
     from sgicodec.device import Device
-    from sgicodec.encoder.encoded import Encoded
     from sgicodec.encoder.one_call import encode, imwrite
-    from sgicodec.encoder.pipeline import encode_picture
+    from sgicodec.encoder.pipeline import Encoded, encode_picture
     from sgicodec.encoder.progress import NullListener
     from sgicodec.encoder.settings import EncodeSettings
     from sgicodec.encoder.tiles.checkpoint import Checkpoint
@@ -66,7 +65,7 @@ _HOMES = {
     "Checkpoint": "encoder.tiles.checkpoint.Checkpoint",
     "Device": "device.Device",
     "EncodeSettings": "encoder.settings.EncodeSettings",
-    "Encoded": "encoder.encoded.Encoded",
+    "Encoded": "encoder.pipeline.Encoded",
     "NullListener": "encoder.progress.NullListener",
     "Picture": "picture.Picture",
     "GpuExecutor": "executors.gpus.GpuExecutor",

@@ -20,9 +20,8 @@ from sgicodec import read
 from sgicodec._native import TextureModels
 from sgicodec.encoder.plan import Shape, stream_plan
 from sgicodec.encoder.settings import EncodeSettings
-from sgicodec.encoder.tile.inputs import tile_of
 from sgicodec.encoder.tile.stages import fit_seeds
-from sgicodec.encoder.tile.texture import begin_texture
+from sgicodec.encoder.tile.state import tile_of
 from sgicodec.encoder.tile.texture_steps import TUNINGS, Masking
 from sgicodec.model.texture_symbols import TextureSymbols
 from sgicodec.picture import Picture
@@ -42,7 +41,7 @@ def layers(picture: Picture, quality: float) -> list[TextureSymbols]:
     found = []
     settings = EncodeSettings(quality=quality, effort=EFFORT, tile=0)
     tile = tile_of(picture, stream_plan(Shape.of(picture), settings))
-    state, search = begin_texture(fit_seeds(tile, tile.fit.lmbda))
+    state, search = fit_seeds(tile, tile.fit.lmbda).begin_texture()
     for tune in ("psnr", "visual"):
         tuning = TUNINGS[tune]
         steps = tuning.steps(tuning.step(state.lmbda), tile.spec.channels)

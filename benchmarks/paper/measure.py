@@ -27,8 +27,7 @@ from sgicodec.decoder.stream import open_stream
 from sgicodec.device import Device
 from sgicodec.errors import SgiError
 from sgicodec.fit.trainer import Progress
-from sgicodec.metrics.psnr import psnr
-from sgicodec.metrics.similarity import ssim
+from sgicodec.metrics.scores import scores
 from sgicodec.picture import Picture
 from sgicodec.profiles import PROFILES
 
@@ -161,10 +160,11 @@ class Bench:
         )
 
     def _compared(self, job: Job, sample: Sample, original: Pixels8, decoded: Pixels8) -> PaperRow:
+        found = scores(original, decoded)
         return replace(
             self._bare(job, sample, original),
-            psnr=psnr(original, decoded),
-            ssim=ssim(original, decoded),
+            psnr=found.psnr,
+            ssim=found.ssim,
             lpips=learned_distance(original, decoded),
         )
 

@@ -16,7 +16,7 @@ from sgicodec.device import PROCESSOR
 from sgicodec.metadata.layouts import SampleRange, range_text
 
 if TYPE_CHECKING:
-    from sgicodec.encoder.encoded import Encoded
+    from sgicodec.encoder.pipeline import Encoded
     from sgicodec.encoder.plan import Plan
 
 __all__ = ["Report", "print_report"]

@@ -12,7 +12,7 @@ from sgicodec.cuda.gpu import Gpu, GpuArray
 from sgicodec.cuda.scan import Scan
 from sgicodec.cuda.structures import structures
 
-__all__ = ["MAX_CHANNELS", "CudaView", "TilePasses"]
+__all__ = ["MAX_CHANNELS", "MAX_PAIRS", "CudaView", "TilePasses"]
 
 MAX_CHANNELS = 4
 """The kernels are compiled for 1 to 4 channels."""
@@ -24,6 +24,7 @@ MOMENTS, DIGIT_BITS = _SIZES["kPairMoments"], _SIZES["kDigitBits"]
 SORT_THREADS, TILE_THREADS = _SIZES["kSortThreads"], _SIZES["kTileThreads"]
 SORTED = SORT_THREADS * _SIZES["kSortItems"]
 SPLAT_BYTES = 13 * 4  # TileSplat
+MAX_PAIRS = 1 << 28
 THREADS, SEARCHERS = 128, 256  # of kernels with a thread for each Gaussian; of `find_tiles`
 
 
@@ -44,9 +45,10 @@ class CudaView(NamedTuple):
 
 
 class TilePasses:
-    """Launches of one view of `gaussians` Gaussians with `channels` channels, and the memory that they need for up to
-    `capacity` pairs of tile and Gaussian. `fields` are those of RasterArguments that the caller sets: addresses,
-    cutoff, scale. Only passes that differentiate need room for what pairs add to gradients.
+    """Launches of one view of `gaussians` Gaussians with `channels` channels, and the memory that they need. `fields`
+    are those of RasterArguments that the caller sets: addresses, cutoff, scale. Only passes that differentiate need
+    room for what pairs add to gradients. capacity: pairs of tile and Gaussian that there is room for at first, at
+    least.
     """
 
     def __init__(
@@ -55,33 +57,51 @@ class TilePasses:
         view: CudaView,
         gaussians: int,
         channels: int,
-        capacity: int,
         fields: dict[str, Any],
         differentiates: bool = True,
+        capacity: int = 0,
+        most_pairs: int = MAX_PAIRS,
     ) -> None:
-        self.gpu, self.view, self.channels, self.capacity, self.gaussians = gpu, view, channels, capacity, gaussians
-        self.sort_blocks = -(-capacity // SORTED)
+        self.gpu, self.view, self.channels, self.gaussians = gpu, view, channels, gaussians
+        self._moments, self._most_pairs = MOMENTS + channels if differentiates else 0, most_pairs
         self.splats = gpu.array(max(1, gaussians) * SPLAT_BYTES, np.uint8)
         self.slot_start = gpu.array(gaussians + 1, np.int32)
-        self.owner = gpu.array(capacity, np.int32)
-        self.pairs = [gpu.array(capacity, np.uint32) for _ in range(4)]
-        self.digits = gpu.array((1 << DIGIT_BITS) * self.sort_blocks + 1, np.int32)
         self.tile_start = gpu.array(view.tiles + 1, np.int32)
-        self.partials = gpu.array((capacity if differentiates else 0, MOMENTS + channels))
         self.errors = gpu.array((view.tiles, 2), np.float64)
-        own = {
-            "gaussians": gaussians,
-            "capacity": capacity,
-            "sort_blocks": self.sort_blocks,
-            **view._asdict(),
-            **{
-                name: getattr(self, name).address
-                for name in ("splats", "slot_start", "owner", "digits", "tile_start", "partials", "errors")
-            },
-        }
+        own = {"gaussians": gaussians, **view._asdict()}
+        own |= {name: getattr(self, name).address for name in ("splats", "slot_start", "tile_start", "errors")}
         self._fields = {"scale": 1.0, "weight": 1.0} | fields | own
         self._starts = Scan(gpu, self.slot_start, gaussians)
-        self._digits = Scan(gpu, self.digits, len_of(self.digits) - 1)
+        self._make_room(max(capacity, 4 * gaussians + 4 * view.tiles))
+
+    def _make_room(self, capacity: int) -> None:
+        self.capacity, self.sort_blocks = capacity, -(-capacity // SORTED)
+        self.owner = self.gpu.array(capacity, np.int32)
+        self.pairs = [self.gpu.array(capacity, np.uint32) for _ in range(4)]
+        self.digits = self.gpu.array((1 << DIGIT_BITS) * self.sort_blocks + 1, np.int32)
+        self.partials = self.gpu.array((capacity, self._moments))
+        names = ("owner", "digits", "partials")
+        self._fields |= {"capacity": capacity, "sort_blocks": self.sort_blocks}
+        self._fields |= {name: getattr(self, name).address for name in names}
+        self._digits = Scan(self.gpu, self.digits, len_of(self.digits) - 1)
+
+    def had_room(self, pairs: int) -> bool:
+        """Whether there was room for so many pairs; if not, there is from now on. Raises OverflowError for too many."""
+        if pairs > self._most_pairs:
+            raise OverflowError("too many Gaussians in too many tiles: draw smaller crops")
+        if pairs > self.capacity:
+            self._make_room(pairs + pairs // 4)
+            return False
+        return True
+
+    def bin_all(self) -> bool:
+        """`bin`, again with more room where there was not enough, which it returns."""
+        self.bin()
+        grown = False
+        while not self.had_room(self.found()):
+            self.bin()
+            grown = True
+        return grown
 
     def bin(self) -> None:
         """Finds the pairs and sorts them by tile."""

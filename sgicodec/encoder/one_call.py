@@ -9,8 +9,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from sgicodec.device import ALL_CORES, Device
-from sgicodec.encoder.encoded import Encoded
-from sgicodec.encoder.pipeline import encode_picture
+from sgicodec.encoder.pipeline import Encoded, encode_picture
 from sgicodec.encoder.progress import NullListener
 from sgicodec.encoder.settings import EncodeSettings, refuse_several_goals
 from sgicodec.errors import PictureError, UsageError

@@ -8,19 +8,16 @@ import tempfile
 from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO
 
 from sgicodec.bitstream.stream_writer import write_stream
 from sgicodec.decoder.stream import open_stream
 from sgicodec.device import ALL_CORES, Device, check_device
-from sgicodec.encoder.blas_threads import one_blas_thread
-from sgicodec.encoder.encoded import Encoded, measured_error, measured_psnr
 from sgicodec.encoder.graphics import with_exact_views
 from sgicodec.encoder.input.overview import overview_picture, overview_settings, takes_overview
 from sgicodec.encoder.input.windows import Windows, kept, windows_of, without_needless_alpha
-from sgicodec.encoder.memory import estimate
 from sgicodec.encoder.plan import Plan, stream_plan
 from sgicodec.encoder.progress import NullListener, PassReporter
 from sgicodec.encoder.quality_calibration import with_quality_calibration
@@ -28,20 +25,48 @@ from sgicodec.encoder.residual import residual_layer
 from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.encoder.tiles.checkpoint import fingerprint
 from sgicodec.encoder.tiles.passes import Finished, TilePasses
-from sgicodec.encoder.tiles.runner import TileRunner
+from sgicodec.encoder.tiles.runner import TileRunner, one_blas_thread, within_memory
 from sgicodec.encoder.tiles.store import MemoryStore, Store
 from sgicodec.encoder.tiles.tasks import FitTask
 from sgicodec.errors import TargetMissedError, UsageError
-from sgicodec.executors.executor import Executor, Memory
-from sgicodec.executors.serial import SerialExecutor
+from sgicodec.executors.executor import Executor
 from sgicodec.files.lock import locked
 from sgicodec.files.whole import whole_file
+from sgicodec.metrics.distortion import decibels, squared_error
 from sgicodec.picture import Picture
 
 if TYPE_CHECKING:
     from sgicodec.image.source import Source
 
-__all__ = ["encode_all_channels", "encode_picture"]
+__all__ = ["Encoded", "encode_all_channels", "encode_picture"]
+
+
+@dataclass(frozen=True)
+class Encoded:
+    """A finished stream and its figures.
+
+    data: the stream; empty if it went to an output. part_bytes: what each part of the tiles costs.
+    seeds, gaussians: how many there are. steps: of the fit, the mean over the tiles that had one. ended_early: whether
+    the caller ended the fit. psnr: dB over all samples of what was decoded, but for colours where alpha is 0; None if
+    it was not measured. devices: by the name of what fitted, a GPU or the processor, how many tiles it did.
+    """
+
+    data: bytes = field(repr=False)
+    part_bytes: dict[str, float] = field(repr=False)
+    seeds: int
+    gaussians: int
+    lmbda: float
+    steps: int = 0
+    ended_early: bool = False
+    psnr: float | None = None
+    devices: dict[str, int] = field(default_factory=dict, repr=False)
+    written: int = 0
+    """Bytes of a stream whose data are not here."""
+
+    @property
+    def size(self) -> int:
+        """Bytes of the stream."""
+        return len(self.data) or self.written
 
 
 def encode_picture(
@@ -77,7 +102,7 @@ def encode_picture(
     if not isinstance(settings, EncodeSettings | None):
         raise UsageError(f"settings {settings!r}; they must be EncodeSettings")
     plan = stream_plan(windows.shape, settings or EncodeSettings())
-    _within_memory(windows, plan, executor)
+    within_memory(windows, plan, executor)
     if not plan.header.tile:
         windows = kept(windows)
     if windows.shape.remark is not None:
@@ -110,11 +135,19 @@ class _Request:
     device: Device
     verify: bool
 
-    def psnr(self, stream: bytes | Path | BinaryIO) -> float:
-        """Of a finished stream, in dB. Raises StreamError if it does not decode."""
-        self.listener.stage("verify")
+    def error(self, stream: bytes | Path | BinaryIO) -> float:
+        """Squared error over all samples of what a stream decodes to, in 0..1, but for colours where alpha is 0. Raises
+        StreamError if it does not decode.
+        """
+        read = self.windows.read
         with open_stream(stream, self.device.processor) as opened:
-            return measured_psnr(opened, self.windows)
+            return sum(squared_error(read(0, top, band.width, band.height), band) for top, band in opened.bands())
+
+    def psnr(self, stream: bytes | Path | BinaryIO) -> float:
+        """The same of a finished stream as PSNR in dB."""
+        self.listener.stage("verify")
+        header = self.plan.header
+        return decibels(self.error(stream), header.width * header.height * header.spec.channels)
 
     def write(self, to: Callable[[BinaryIO], int]) -> tuple[bytes, int, float | None]:
         """Has a stream written to the output, a path's whole or not at all; returns its data if there is none, its
@@ -160,20 +193,16 @@ _NOTHING = {
 def _encoded(request: _Request, executor: Executor | None = None, store: Store | None = None) -> Encoded:
     """Raises TargetMissedError, with the nearest stream."""
     plan, windows, listener = request.plan, request.windows, request.listener
-    executor, memory = _within_memory(windows, plan, executor)
+    executor, memory = within_memory(windows, plan, executor)
     listener.planned(plan, executor.workers, memory)
     listener.stage("load")
     runner = TileRunner(windows, plan, executor, request.device)
     tiles = store if store is not None and plan.header.tile else MemoryStore()  # one tile cannot be resumed
 
-    def error_of(file: BinaryIO) -> float:
-        with open_stream(file, request.device.processor) as stream:
-            return measured_error(stream, windows)
-
     with one_blas_thread(), tiles.opened(lambda: fingerprint(plan, windows.digest())):
         task = FitTask(plan) if plan.header.tile else FitTask(plan, listener)
         reporter, overview = PassReporter(plan, listener), _overview_maker(plan, windows, runner)
-        finished = TilePasses(task, runner, tiles, reporter, error_of, overview).run()
+        finished = TilePasses(task, runner, tiles, reporter, request.error, overview).run()
         layer = _residual(request, finished, tiles)
         data, size, psnr = request.write(lambda file: _write(file, finished, tiles, layer))
         encoded = replace(_summary(data, size, finished, tiles, layer), psnr=psnr)
@@ -183,15 +212,6 @@ def _encoded(request: _Request, executor: Executor | None = None, store: Store |
     if finished.missed is not None:
         raise TargetMissedError(finished.missed, encoded)
     return encoded
-
-
-def _within_memory(windows: Windows, plan: Plan, executor: Executor | None) -> tuple[Executor, Memory]:
-    """The executor with no more workers than there is memory for, and what that takes. Raises UsageError where one is
-    too many.
-    """
-    grid = plan.header.grid
-    memory = estimate(plan, windows.memory(*grid.rect(0)[2:]))
-    return (executor or SerialExecutor()).within(memory, grid.count), memory
 
 
 def _residual(request: _Request, finished: Finished, store: Store) -> bytes | None:

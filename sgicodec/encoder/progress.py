@@ -6,15 +6,12 @@ import math
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
 from sgicodec.encoder.plan import Plan
-from sgicodec.encoder.tiles.tasks import EncodedTile
+from sgicodec.encoder.tile.state import TileListener
+from sgicodec.encoder.tile.writing import EncodedTile
 from sgicodec.executors.executor import Memory
 from sgicodec.metrics.distortion import decibels
-
-if TYPE_CHECKING:
-    from sgicodec.fit.trainer import Progress
 
 __all__ = ["NullListener", "PassReporter", "PassState", "StageClock", "stage_weights"]
 
@@ -68,24 +65,16 @@ class PassState:
         return (self.all_pixels - self.pixels) / self.pixels_per_second if self.fresh else math.inf
 
 
-class NullListener:
-    """A listener that ignores all reports. Others override what they want to know."""
+class NullListener(TileListener):
+    """A listener that ignores all reports. Others override what they want to know.
+
+    Of a picture in one tile, `stage` tells load, prepare, fit, search, texture and verify, of several tiles load and
+    verify alone. `step` and `ending` are asked of a picture in one tile; if they end it, the stream is made of the
+    seeds as they are.
+    """
 
     def planned(self, plan: Plan, workers: int, memory: Memory) -> None:
         """The encode begins: n tiles at a time, in this much memory."""
-
-    def stage(self, name: str) -> None:
-        """A stage begins: load, prepare, fit, search, texture, verify; of several tiles load and verify alone."""
-
-    def step(self, progress: Progress) -> bool:
-        """A step of the fit of a picture in one tile is done. Returns whether to go on; if not, the stream is made of
-        the seeds as they are.
-        """
-        return True
-
-    def ending(self) -> bool:
-        """Whether the encode of a picture in one tile should end soon, with the seeds as they are; after the fit."""
-        return False
 
     def note(self, text: str) -> None:
         """Something about the picture that its owner should know."""

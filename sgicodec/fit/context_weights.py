@@ -79,7 +79,7 @@ class ContextWeights:
 
     def adapt(self, networks: tuple[IntNetwork, ...]) -> None:
         """Takes the weights of `networks`, of which all but W1 may differ from now on."""
-        self.load(networks, trains=False)
+        self.load(networks)
         self.networks, self.difference = networks, np.zeros_like(self.rest)
 
     def centre(self, attributes: F32) -> None:
@@ -98,11 +98,11 @@ class ContextWeights:
     def freeze(self) -> None:
         """Takes the weights that the stream would hold now; nothing trains from now on."""
         self.networks = self.integers()
-        self.load(self.networks, trains=False)
+        self.load(self.networks)
 
-    def load(self, networks: tuple[IntNetwork, ...], trains: bool) -> None:
-        """Sets the weights to what integer networks hold; differences end."""
-        self.difference, self.trains = None, trains
+    def load(self, networks: tuple[IntNetwork, ...]) -> None:
+        """Sets the weights to what integer networks hold; they train no more, and differences end."""
+        self.difference, self.trains = None, False
         scaled = [[array * 2.0**-n.shift for array in (n.w1, n.b1, n.w2, n.b2)] for n in networks]
         self.first = np.concatenate([one[0].reshape(-1) for one in scaled]).astype(np.float32)
         self.rest = np.concatenate([part.reshape(-1) for one in scaled for part in one[1:]]).astype(np.float32)

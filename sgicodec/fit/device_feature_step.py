@@ -15,7 +15,6 @@ from sgicodec.cuda.gpu import Gpu, GpuArray
 from sgicodec.cuda.structures import structures
 from sgicodec.cuda.tiles import MAX_CHANNELS, CudaView, TilePasses
 from sgicodec.fit.device_networks import DECODERS, Activations, DeviceNetworks
-from sgicodec.fit.device_step import MAX_PAIRS
 from sgicodec.fit.feature_step import FeatureInputs, FeatureOutputs, FeatureStep
 from sgicodec.fit.fused_step import ROUNDINGS
 from sgicodec.fit.pyramid import Level
@@ -41,7 +40,6 @@ class DeviceFeatureStep(FeatureStep):
         self.spec, self.settings, self.gpu, self.size, self.cutoff = spec, settings, gpu, size, cutoff
         self._level: tuple[Level, dict[str, GpuArray]] | None = None
         self._passes: TilePasses | None = None
-        self._capacity = 0
 
     @staticmethod
     def can_run(spec: ModelSpec, settings: FitSettings) -> bool:
@@ -137,15 +135,8 @@ class DeviceFeatureStep(FeatureStep):
 
     def _error(self, level: Level) -> float:
         """Squared error; the gradients of the mean absolute error in the Gaussians are there then."""
-        while True:
-            passes = self._passes_of(level)
-            passes.bin()
-            pairs = passes.found()
-            if pairs <= passes.capacity:
-                break
-            if pairs > MAX_PAIRS:
-                raise OverflowError("too many Gaussians in too many tiles: draw smaller crops")
-            self._capacity, self._passes = pairs + pairs // 4, None
+        passes = self._passes_of(level)
+        passes.bin_all()
         passes.over_tiles("absolute_error")
         passes.reduce()
         return float(passes.errors.download()[:, 0].sum())
@@ -183,8 +174,7 @@ class DeviceFeatureStep(FeatureStep):
             fields |= {"cutoff": self.cutoff, "weight": 1.0 / level.samples.size}
             _, height, width = level.samples.shape
             view, gaussians = CudaView(width, height), self.count * self.spec.per_seed
-            capacity = max(self._capacity, 4 * gaussians + 4 * view.tiles)
-            self._passes = TilePasses(self.gpu, view, gaussians, self.spec.channels, capacity, fields)
+            self._passes = TilePasses(self.gpu, view, gaussians, self.spec.channels, fields)
         return self._passes
 
     def _shapes(self, hashed: int) -> dict[str, tuple[int, ...]]:

@@ -34,8 +34,6 @@ SEED_THREADS, PRICE_THREADS, REPORT_THREADS = (_SIZES[f"k{name}Threads"] for nam
 ADD_THREADS, SUM_THREADS, MOVE_THREADS = 256, 128, 256
 MAX_CHUNKS = 512
 """Rows of sums over seeds: enough blocks for any GPU, few enough to be added by one thread for each sum."""
-MAX_ARRAYS = 8
-"""That one step moves (AdamArguments)."""
 
 
 class StepKind(NamedTuple):
@@ -130,13 +128,12 @@ class DeviceStep:
         """The picture of the values as they are, of a level at scale 1."""
         self.exact_gaussians()
         image = self.gpu.array(level["target"].shape)
-        while True:
-            passes = self._passes_of(1.0, level)
-            passes.bin()
-            if self._had_room(1.0, passes.found()):
-                passes.set(image=image.address)
-                passes.over_tiles("forward")
-                return image
+        passes = self._passes_of(1.0, level)
+        if passes.bin_all():
+            self._note_room(passes)
+        passes.set(image=image.address)
+        passes.over_tiles("forward")
+        return image
 
     def bits(self) -> F32:
         """Of every seed in the last step [N]."""
@@ -164,22 +161,15 @@ class DeviceStep:
             passes = self._passes_of(scale, level)
             self._launched(kind, scale, passes)
             report = structures()["StepReport"].from_buffer_copy(self._held["report"].download().tobytes())
-            del passes
-            if self._had_room(scale, report.pairs):
+            if passes.had_room(report.pairs):
                 return float(report.error), float(report.bits)
+            self._note_room(passes)
 
     _capacity = 0
 
-    def _had_room(self, scale: float, pairs: int) -> bool:
-        """Whether there was room for so many pairs; if not, there will be."""
-        if pairs <= self._passes[scale].capacity:
-            return True
-        if pairs > MAX_PAIRS:
-            raise OverflowError("too many Gaussians in too many tiles: draw smaller crops")
-        del self._passes[scale]
-        self._graphs = {}
-        self._capacity = pairs + pairs // 4
-        return False
+    def _note_room(self, passes: TilePasses) -> None:
+        """To be called when passes have more room: graphs have their memory of before."""
+        self._graphs, self._capacity = {}, passes.capacity
 
     def _launched(self, kind: StepKind, scale: float, passes: TilePasses) -> None:
         """Launches a step: as a graph, but for the first of its kind, since the driver loads kernels on first use."""
@@ -246,9 +236,10 @@ class DeviceStep:
             fields |= {name: array.address for name, array in level.items()}
             fields |= {"cutoff": self.cutoff, "scale": scale, "minimum": MIN_VARIANCE}
             _, height, width = level["target"].shape
-            view, gaussians = CudaView(width, height), self.count
-            capacity = max(self._capacity, 4 * gaussians + 4 * view.tiles)
-            self._passes[scale] = TilePasses(self.gpu, view, gaussians, self.spec.channels, capacity, fields)
+            view = CudaView(width, height)
+            self._passes[scale] = TilePasses(
+                self.gpu, view, self.count, self.spec.channels, fields, capacity=self._capacity
+            )
         return self._passes[scale]
 
     def _gradient(self, name: str) -> int:
@@ -296,4 +287,3 @@ def _sums(spec: ModelSpec, trains_first: bool) -> int:
 
 _PLACES = {"context.difference": "difference", "context.first": "first", "context.rest": "rest"}
 """Where arrays that train lie, if not under their own name."""
-MAX_PAIRS = 1 << 28

@@ -21,21 +21,17 @@ F32 = NDArray[np.float32]
 
 @dataclass
 class Parameters:
-    """seeds: attributes and decoders; steps: as `step_sizes.flat_steps`; context: MLP_p and the hash grid, which train
-    along if `trains_context`.
-    """
+    """seeds: attributes and decoders; steps: as `step_sizes.flat_steps`; context: MLP_p and the hash grid."""
 
     seeds: SeedSet
     steps: F32
     context: ContextWeights
-    trains_context: bool = True
 
     def trained(self) -> dict[str, F32]:
         """The arrays that train, by name."""
         networks = self.seeds.by_network(self.seeds.decoder_weights)
         decoders = {f"decoder_{name}": weights for name, weights in networks.items()}
-        context = self.context.trained() if self.trains_context else {}
-        return {**self.seeds.values, **decoders, "steps": self.steps, **context}
+        return {**self.seeds.values, **decoders, "steps": self.steps, **self.context.trained()}
 
 
 def learning_rate_of(name: str) -> str:

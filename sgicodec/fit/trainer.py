@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -65,9 +65,8 @@ class Trainer:
     """One picture's fit. `target` [C, H, W] is the picture less its base layer, samples in 0..1, and `weights` [H, W]
     what their squared errors count, by default all the same.
 
-    MLP_p is one of three: `networks`, integers to which the fit adds a small difference; `context`, weights that the
-    caller trains with the gradients that each step leaves in `gradients`; or, without either, a new one that turns into
-    integers at the end.
+    MLP_p is one of two: `networks`, integers to which the fit adds a small difference, or, without them, a new one that
+    turns into integers at the end.
 
     Raises ValueError for a model or a loss that no profile has.
     """
@@ -80,7 +79,6 @@ class Trainer:
         layout: SeedLayout,
         family: int,
         networks: tuple[IntNetwork, ...] | None = None,
-        context: ContextWeights | None = None,
         device: Device = ALL_CORES,
         weights: F32 | None = None,
     ) -> None:
@@ -92,15 +90,14 @@ class Trainer:
         rng = np.random.default_rng(settings.seed)
         self.seeds = SeedSet(spec, layout, target, rng, device)
         self.seeds.decoder_shift += math.ceil(settings.finer_steps)
-        self.context = context or ContextWeights(spec, self._hash_sizes(), rng)
+        self.context = ContextWeights(spec, self._hash_sizes(), rng)
         if networks is not None:
             self.context.adapt(networks)
         steps = flat_steps(spec, default_plan(spec, self.quality))
         steps[: sum(base_counts(spec))] -= settings.finer_steps
-        self.parameters = Parameters(self.seeds, steps, self.context, trains_context=context is None)
-        self.gradients: dict[str, F32] = {}
+        self.parameters = Parameters(self.seeds, steps, self.context)
         self.adam = Adam(settings.rates.betas, settings.rates.epsilon, device)
-        self.on_gpu = self._device_fit(family, device) if context is None else None
+        self.on_gpu = self._device_fit(family, device)
         _, height, width = target.shape
         self.gradient_step = gradient_step_of(spec, settings, self.raster, (width, height), family, device)
         (self.on_gpu or self.gradient_step).set_layout(self.seeds.layout, self.quality)
@@ -113,11 +110,10 @@ class Trainer:
         gpu = getattr(self.on_gpu or self.gradient_step, "gpu", None)
         return PROCESSOR if gpu is None else str(gpu.name)
 
-    def run(self, on_progress: Callable[[Progress], bool] | None = None) -> Fitted:
-        """All phases. `on_progress` is called after each step; if it returns False, the fit ends there."""
-        for progress in self.iterate():
-            if on_progress is not None and not on_progress(progress):
-                break
+    def run(self) -> Fitted:
+        """All phases."""
+        for _ in self.iterate():
+            pass
         return self.result()
 
     def iterate(self) -> Iterator[Progress]:
@@ -166,7 +162,6 @@ class Trainer:
             rates = {name: self._learning_rate(learning_rate_of(name), phase) for name in names}
             return self.on_gpu.run(phase.rounding, self.step, self.levels[phase.level], lmbda, rates)
         result = self.gradient_step.run(self.parameters, phase.rounding, self.step, self.levels[phase.level], lmbda)
-        self.gradients = result.gradients
         for name, array in self.parameters.trained().items():
             if name in result.gradients:
                 self.adam.move(name, array, result.gradients[name], self._learning_rate(learning_rate_of(name), phase))

@@ -25,7 +25,6 @@ __all__ = [
     "difference",
     "largest_difference",
     "luma",
-    "luma_psnr",
     "peak_of",
     "plane_psnr",
     "psnr",
@@ -62,12 +61,6 @@ def luma(pixels: Pixels, *, peak: float | None = None) -> Plane:
     for channel, weight in enumerate(_LUMA_WEIGHTS):
         plane += pixels[..., channel] * np.float64(weight * scale)
     return plane
-
-
-def luma_psnr(a: Pixels, b: Pixels, *, peak: float | None = None) -> float:
-    """PSNR of luma in dB. Raises UsageError if shapes or types differ."""
-    check_pair(a, b)
-    return plane_psnr(luma(a, peak=peak), luma(b, peak=peak))
 
 
 def plane_psnr(a: Plane, b: Plane) -> float:

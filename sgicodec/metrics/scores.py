@@ -24,15 +24,15 @@ class Scores:
     ms_ssim: float
 
 
-def scores(a: Pixels, b: Pixels, *, peak: float | None = None) -> Scores:
+def scores(a: Pixels, b: Pixels) -> Scores:
     """All four figures, sharing the work between them. Raises UsageError if shapes or types differ."""
-    rgb = psnr(a, b, peak=peak)
-    luma_a, luma_b = luma(a, peak=peak), luma(b, peak=peak)
+    rgb = psnr(a, b)
+    luma_a, luma_b = luma(a), luma(b)
     terms = scale_terms(luma_a, luma_b)
     return Scores(rgb, plane_psnr(luma_a, luma_b), terms[0][0], combine(terms))
 
 
-def error_map(a: Pixels, b: Pixels, *, gain: float = 8.0, peak: float | None = None) -> npt.NDArray[np.uint8]:
+def error_map(a: Pixels, b: Pixels, *, gain: float = 8.0) -> npt.NDArray[np.uint8]:
     """The signed error b − a as an 8-bit picture [H, W, C]: mid-gray where equal, `gain` per level.
 
     Levels are 1/255 of the peak. Raises UsageError if shapes or types differ or `gain` is not positive.
@@ -40,7 +40,7 @@ def error_map(a: Pixels, b: Pixels, *, gain: float = 8.0, peak: float | None = N
     check_pair(a, b)
     if not gain > 0:
         raise UsageError(f"the gain of an error map must be positive, not {gain:g}")
-    scale = gain * 255.0 / (peak_of(a) if peak is None else peak)
+    scale = gain * 255.0 / peak_of(a)
     out = np.empty(a.shape, np.uint8)
     for rows in bands(a.shape[0]):
         out[rows] = np.clip(np.rint(128.0 - difference(a[rows], b[rows]) * scale), 0, 255)

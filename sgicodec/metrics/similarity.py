@@ -11,9 +11,9 @@ from __future__ import annotations
 import numpy as np
 from scipy.ndimage import correlate1d
 
-from sgicodec.metrics.psnr import Pixels, Plane, bands, check_pair, luma
+from sgicodec.metrics.psnr import Plane, bands
 
-__all__ = ["combine", "ms_ssim", "scale_terms", "ssim"]
+__all__ = ["combine", "scale_terms"]
 
 _WINDOW = 11
 _SIGMA = 1.5
@@ -22,28 +22,12 @@ _C2 = (0.03 * 255.0) ** 2
 _SCALE_WEIGHTS = (0.0448, 0.2856, 0.3001, 0.2363, 0.1333)
 
 
-def ssim(a: Pixels, b: Pixels, *, peak: float | None = None) -> float:
-    """Mean structural similarity of luma: Gaussian window of 11 pixels, σ = 1.5, wholly inside the picture.
-
-    A side shorter than 11 pixels shortens the window to it. Raises UsageError if shapes or types differ.
-    """
-    check_pair(a, b)
-    return _similarity(luma(a, peak=peak), luma(b, peak=peak))[0]
-
-
-def ms_ssim(a: Pixels, b: Pixels, *, peak: float | None = None) -> float:
-    """Multi-scale structural similarity of luma over five halvings, with the weights of Wang et al. 2003.
-
-    The shorter side must be at least 11·2^(S−1) pixels for S scales (176 for five). A smaller picture is
-    measured on the finest scales that fit, at least one, with their weights scaled to sum to 1. A negative
-    contrast term counts as 0. Raises UsageError if shapes or types differ.
-    """
-    check_pair(a, b)
-    return combine(scale_terms(luma(a, peak=peak), luma(b, peak=peak)))
-
-
 def scale_terms(a: Plane, b: Plane) -> list[tuple[float, float]]:
-    """(SSIM, contrast term) of each scale, finest first; as many scales as the shorter side allows."""
+    """(SSIM, contrast term) of two luma planes at each scale, finest first; as many scales as the shorter side allows.
+
+    SSIM is the mean structural similarity: Gaussian window of 11 pixels, σ = 1.5, wholly inside the picture. A side
+    shorter than 11 pixels shortens the window to it.
+    """
     count = 1
     while count < len(_SCALE_WEIGHTS) and min(a.shape) >= _WINDOW * 2**count:
         count += 1
@@ -55,7 +39,12 @@ def scale_terms(a: Plane, b: Plane) -> list[tuple[float, float]]:
 
 
 def combine(terms: list[tuple[float, float]]) -> float:
-    """MS-SSIM from the terms of all scales."""
+    """MS-SSIM from the terms of all scales: over five halvings, with the weights of Wang et al. 2003.
+
+    The shorter side must be at least 11·2^(S−1) pixels for S scales (176 for five). A smaller picture is measured on
+    the finest scales that fit, at least one, with their weights scaled to sum to 1. A negative contrast term counts as
+    0.
+    """
     weights = np.array(_SCALE_WEIGHTS[: len(terms)])
     weights /= weights.sum()
     # Luminance enters at the coarsest scale only.

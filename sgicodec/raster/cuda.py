@@ -100,22 +100,15 @@ class CudaRasterizer:
         if channels > MAX_CHANNELS:
             raise UsageError(f"{channels} channels; a GPU draws up to {MAX_CHANNELS}")
         self.gpu.use()
-        count, capacity = len(gaussians[0]), 4 * len(gaussians[0]) + 4 * view.tiles
+        count, capacity = len(gaussians[0]), 0
         if self._drawn is not None and self._drawn[1].gaussians == count:
-            capacity = max(capacity, self._drawn[1].capacity)
+            capacity = self._drawn[1].capacity
         self._drawn = None
         held = [self.gpu.put(np.ascontiguousarray(array)) for array in gaussians]
         fields: dict[str, Any] = {name: array.address for name, array in zip(_INPUTS, held, strict=True)}
-        while True:
-            fields["cutoff"] = self.cutoff
-            passes = TilePasses(self.gpu, view, count, channels, capacity, fields, differentiates)
-            passes.bin()
-            found = passes.found()
-            if found > self.most_pairs:
-                raise OverflowError("too many Gaussians in too many tiles: draw smaller crops")
-            if found <= capacity:
-                break
-            capacity = found + found // 4
+        fields["cutoff"] = self.cutoff
+        passes = TilePasses(self.gpu, view, count, channels, fields, differentiates, capacity, self.most_pairs)
+        passes.bin_all()
         self._drawn = view, passes, held  # what is rendered alone is not differentiated: `Backend.backward`
         return passes
 

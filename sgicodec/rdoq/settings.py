@@ -20,8 +20,6 @@ class RdoqSettings:
     coarser: float = 0.3
     """Octaves by which steps grow beforehand: symbols that are searched want coarser steps than the noise that they
     were trained with."""
-    base: bool = True
-    """Whether the base layer moves too."""
     drop: float = 1.2
     """A seed goes when that costs less squared error than so many times its price."""
     position_bits: float = 3.0

@@ -37,7 +37,7 @@ HOMES = {
     "lpips": ("benchmarks/paper/learned_distance.py",),
     "rich": ("sgicodec/cli/", "sgicodec/bench/", "benchmarks/"),
     "isal": ("sgicodec/image/png_output.py",),
-    "threadpoolctl": ("sgicodec/encoder/blas_threads.py", "benchmarks/raster.py"),
+    "threadpoolctl": ("sgicodec/encoder/tiles/runner.py", "benchmarks/raster.py"),
     "click": ("sgicodec/cli/", "sgicodec/bench/", "benchmarks/", "tools/"),
     "scipy": ("sgicodec/metrics/similarity.py", "sgicodec/bench/bdrate.py"),
     "ssimulacra2": ("sgicodec/metrics/perceptual.py",),

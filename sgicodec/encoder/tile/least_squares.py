@@ -13,8 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec.encoder.tile.state import TileState
-from sgicodec.encoder.tile.texture import begin_texture, best_layer, best_strength
-from sgicodec.rdoq import Rdoq, RdoqSettings
+from sgicodec.rdoq import Objective, RdoqSettings, searched_once
 from sgicodec.rdoq.texture import TextureSearch
 
 __all__ = ["LeastSquares", "requantise_seeds_under_texture"]
@@ -28,27 +27,27 @@ take 0.1 % fewer bytes than three of each (docs/notes/2026-11-settling.md)."""
 
 
 class LeastSquares:
-    """The `TextureStrategy` of the least squared error for the bits."""
+    """Texture of the least squared error for the bits."""
 
     def lay(self, state: TileState) -> TileState:
-        """As in `TextureStrategy`."""
-        state, search = begin_texture(state)
+        """The tile with texture, restored, for the λ of the encode."""
+        state, search = state.begin_texture()
         tuning = state.tile.tuning
         return self.lay_at(state, search, tuning.step(state.lmbda), tuning.price(state.lmbda))
 
     def aim(self, state: TileState, search: TextureSearch, step: int) -> tuple[TileState, TextureSearch]:
-        """As in `TextureStrategy`: with seeds for the texture of this step."""
-        return begin_texture(requantise_seeds_under_texture(state, step))
+        """The tile and the search for texture whose lowest step has an index near this one: with seeds for that."""
+        return requantise_seeds_under_texture(state, step).begin_texture()
 
     def lay_at(self, state: TileState, search: TextureSearch, step: int, price: float | None = None) -> TileState:
-        """As in `TextureStrategy`."""
-        tile, layer = state.tile, best_layer(state, search, step, price)
-        strength = best_strength(state, search, layer)
+        """The tile with texture whose lowest step has this index, restored. price: as in `TileState.best_layer`."""
+        tile, layer = state.tile, state.best_layer(search, step, price)
+        strength = state.best_strength(search, layer)
         if layer is None or strength is None:
             return state.with_texture(layer, None)
         restored = search.excluding(tile.restorer.correction(search, layer, strength))
-        layer = best_layer(state, restored, step, price, layer) or layer
-        return state.with_texture(layer, best_strength(state, search, layer))
+        layer = state.best_layer(restored, step, price, layer) or layer
+        return state.with_texture(layer, state.best_strength(search, layer))
 
 
 def requantise_seeds_under_texture(state: TileState, step: int | None = None) -> TileState:
@@ -61,13 +60,13 @@ def requantise_seeds_under_texture(state: TileState, step: int | None = None) ->
     tile.watch.stage("texture")
     step = tile.tuning.step(state.lmbda) if step is None else step
     for _ in range(tile.effort.rounds):
-        state, search = begin_texture(state)
+        state, search = state.begin_texture()
         restored = search if correction is None else search.excluding(correction)
-        layer = best_layer(state, restored, step)
+        layer = state.best_layer(restored, step)
         if layer is None or tile.watch.ending():
             break
         shown = restored.exact(layer).draw(device=tile.device)
-        if strength := best_strength(state, search, layer):
+        if strength := state.best_strength(search, layer):
             correction = tile.restorer.correction(search, layer, strength)
             shown += correction
         state = with_seeds_for(state, tile.unit - shown)
@@ -78,6 +77,5 @@ def with_seeds_for(state: TileState, left: NDArray[np.float32]) -> TileState:
     """The tile with its seeds' symbols searched once more for what is left to them [C, H, W]: the picture less all that
     is shown over them.
     """
-    tile, price = state.tile, DEARER * state.lmbda
-    search = Rdoq(state.header, state.model, left, price, SETTINGS, tile.device, tile.reference)
-    return replace(state, model=search.once())
+    objective = Objective(state.header, left, state.tile.device, state.tile.reference)
+    return replace(state, model=searched_once(objective, state.model, DEARER * state.lmbda, SETTINGS))

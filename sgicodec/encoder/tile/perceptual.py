@@ -1,40 +1,74 @@
-"""Texture for the eye: gradient ascent on two scores says which errors are seen. Seeds stay as they are, for errors
-that are least to them are not to the eye.
+"""Texture for the eye: gradient ascent on two scores. Seeds stay as they are, for errors that are least to them are not
+to the eye.
+
+The search weighs squared errors by frequency and place alone. The gradient of a score at what is decoded says which of
+the errors that are left are seen. SSIMULACRA 2 looks at structure; Butteraugli looks at differences, the largest most
+of all, and holds back what the other would overdo in places. A target that has moved up the gradient makes the same
+search trade errors better: squared error to it is a quadratic model of the scores, renewed in each pass. The model
+holds near by only, so that amplitudes move by a small part of their steps at a time. Between superblocks, steps are
+traded by the same gradient: they are best where a bit more gains as much everywhere. To first order, the errors of a
+superblock take from a score what its gradient says of them. That falls with the square of the step, while each symbol
+that is not 0 takes about a bit more for half the step. So all superblocks should lose as much of the score for each of
+their symbols.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+import math
+from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
-from sgicodec.encoder.tile.score_ascent import Offsets, ScoreAscent
+from sgicodec.device import Device
+from sgicodec.encoder.quality_calibration import CalibratedSteps
+from sgicodec.encoder.tile.restoration import Strength, rendered_over
+from sgicodec.encoder.tile.sharing import smoothed
 from sgicodec.encoder.tile.state import TileState
-from sgicodec.encoder.tile.texture import begin_texture, best_layer, best_strength
-from sgicodec.model.texture_symbols import TextureSymbols
+from sgicodec.metrics.butteraugli import ButteraugliReference
+from sgicodec.metrics.visual_score import VisualReference
+from sgicodec.model.luma_space import from_luma_space
+from sgicodec.model.texture_symbols import CONTRAST_LIMIT, TextureSymbols, root_blocks
 from sgicodec.rdoq.texture import TextureSearch
 
-__all__ = ["CalibratedSteps", "Perceptual"]
+__all__ = ["Perceptual", "ScoreAscent", "better_offsets"]
+
+F32 = NDArray[np.float32]
+Offsets = NDArray[np.int8] | None
+
+BUTTERAUGLI = 60.0
+"""Points of SSIMULACRA 2 for which the logarithm of Butteraugli's 3-norm falls by one. 80 takes more bytes at equal
+scores, by both (docs/notes/2026-11-score-ascent.md).
+"""
+MEAN_MOVE = 0.0125
+"""Of amplitudes in all passes, in steps, times the root of their number. 0.009 and 0.017 take up to 0.8 % more bytes
+(docs/notes/2026-11-equal-losses.md)."""
+MAX_MOVE = 12.0
+"""Of one amplitude, in means (docs/notes/2026-11-score-ascent.md)."""
+FINER_STEPS = 40.0
+"""Points that steps so fine as to take e times the bits would gain (docs/notes/2026-11-score-ascent.md)."""
+SHORTER = 0.5
+"""What moves are to the ones before, where those gained less than finer steps would for their bits."""
 
 
 class Perceptual:
-    """The `TextureStrategy` of the best scores for the bits."""
+    """Texture of the best scores for the bits."""
 
     def lay(self, state: TileState) -> TileState:
-        """As in `TextureStrategy`, or for the quality that the plan is calibrated to."""
-        state, search = begin_texture(state)
+        """As in `LeastSquares`, or for the quality that the plan is calibrated to."""
+        state, search = state.begin_texture()
         tuning = state.tile.tuning
         price = tuning.price(state.lmbda)
         state, blocks, step = self._ascended(state, search, tuning.step(state.lmbda), price)
-        return state.with_texture(best_layer(state, search, step, price, blocks), state.strength)
+        return state.with_texture(state.best_layer(search, step, price, blocks), state.strength)
 
     def aim(self, state: TileState, search: TextureSearch, step: int) -> tuple[TileState, TextureSearch]:
-        """As in `TextureStrategy`: with what the ascent made of the search."""
+        """As in `LeastSquares`: with what the ascent made of the search."""
         return self._ascended(state, search, step)[0], search
 
     def lay_at(self, state: TileState, search: TextureSearch, step: int, price: float | None = None) -> TileState:
-        """As in `TextureStrategy`."""
-        return state.with_texture(best_layer(state, search, step, price), state.strength)
+        """As in `LeastSquares`."""
+        return state.with_texture(state.best_layer(search, step, price), state.strength)
 
     def _ascended(
         self, state: TileState, search: TextureSearch, step: int, price: float | None = None
@@ -43,57 +77,141 @@ class Perceptual:
         step of the next. Moves what `search` looks for.
         """
         tile, passes = state.tile, state.tile.effort.ascent_passes
-        first = best_layer(state, search, step, price)
-        state = replace(state, strength=best_strength(state, search, first))
-        ascent = ScoreAscent(tile.unit, tile.spec.luma_space, tile.empty, tile.device, state.strength)
+        first, usual = state.best_layer(search, step, price), state.step_offsets
+        state = replace(state, strength=state.best_strength(search, first))
+        ascent = ScoreAscent(tile.unit, tile.spec.luma_space, tile.empty, tile.device, passes, state.strength)
         steps = CalibratedSteps(tile.plan.calibrated_quality, step, passes)
-
-        def next_layer(blocks: TextureSymbols | None, score: float | None, offsets: Offsets) -> TextureSymbols | None:
-            if score is None:
-                return first
-            return best_layer(replace(state, step_offsets=offsets), search, steps.after(score), price, blocks)
-
-        blocks, score, offsets = ascent.run(search, next_layer, state.step_offsets, passes, tile.watch.ending)
-        return replace(state, step_offsets=offsets), blocks, steps.after(score)
-
-
-_QUALITIES = (1.0, 10.0, 20.0, 30.0, 44.0, 57.0, 70.0, 83.0, 90.0, 97.0, 100.0)
-_SCORES = (-45.0, -21.0, 3.0, 25.5, 51.5, 68.7, 80.3, 87.9, 90.5, 92.7, 93.6)
-"""SSIMULACRA 2 that a quality has in the mean of pictures (docs/notes/2026-11-same-look.md)."""
-_PER_QUALITY, _MAX_MOVE = 2.5, 32
-"""Indices of texture's steps for a step of quality, which would be 2 if seeds followed, and the most that they move
-(docs/notes/2026-11-same-look.md, 2026-11-equal-losses.md)."""
-_NEARLY, _GAIN = 1.5, 1.1
-"""Steps of quality that a score may be off, and that a pass gains; several gain with the root of their number
-(docs/notes/2026-11-same-look.md)."""
+        layer: TextureSymbols | None = None
+        score: float | None = None
+        for _ in range(passes):
+            if tile.watch.ending():
+                break
+            layer = first if score is None else state.best_layer(search, steps.after(score), price, layer)
+            if layer is None:
+                break
+            score, offsets = ascent.climb(search, layer, state.step_offsets, usual)
+            state = replace(state, step_offsets=offsets)
+        return state, layer, steps.after(score)
 
 
 @dataclass
-class CalibratedSteps:
-    """The index of texture's steps on the way to the look of a quality, `quality` None for none, in the course of so
-    many passes of gradient ascent.
+class _Pace:
+    """How far amplitudes move in a pass: less once moves gain no more than their bits. mean: in steps."""
 
-    What a pass gains belongs to its steps. So they stay in the last pass, if there are two; and a score that
-    is nearly right is left alone.
+    mean: float
+    _last: tuple[int, float] | None = None
+
+    def after(self, step: int, bits: float, points: float) -> float:
+        """The mean of the moves that follow a layer of this step."""
+        gained = points - FINER_STEPS * math.log(max(bits, 1.0))
+        if self._last is not None and self._last[0] == step and gained < self._last[1]:
+            self.mean *= SHORTER
+        self._last = step, gained
+        return self.mean
+
+
+class ScoreAscent:
+    """The ascent for layers of one picture in so many passes. unit [C, H, W]: what they are to show, in luma space
+    where `luma_space`; empty [H, W]: pixels that count nothing, None for none; strength: with which what is rendered is
+    restored, None for not at all.
     """
 
-    quality: float | None
-    step: int
-    passes: int
-    _begin: int = field(init=False)
-    _scores: int = field(init=False, default=0)
+    def __init__(
+        self,
+        unit: F32,
+        luma_space: bool,
+        empty: NDArray[np.bool_] | None,
+        device: Device,
+        passes: int,
+        strength: Strength | None = None,
+    ) -> None:
+        self.unit, self.luma_space, self.empty, self.device, self.strength = unit, luma_space, empty, device, strength
+        self._pace, original = _Pace(MEAN_MOVE / passes**0.5), self._seen(unit)
+        self._structure, self._differences = VisualReference(original, device), ButteraugliReference(original, device)
 
-    def __post_init__(self) -> None:
-        self._begin = self.step
+    def climb(
+        self, search: TextureSearch, layer: TextureSymbols, offsets: Offsets, usual: Offsets
+    ) -> tuple[float, Offsets]:
+        """Moves the target of `search` from the layer that it found up the gradient. Returns SSIMULACRA 2 of the layer,
+        and the step offsets of the next. offsets [rows, columns]: of this one; usual: of the first; None for none.
+        """
+        rendered = self._rendered(search, layer)
+        score, points, gradient = self._judged(self._seen(rendered))
+        gradient = self._in_unit(gradient)
+        if self.empty is not None:
+            gradient[:, self.empty] = 0
+        mean = self._pace.after(layer.steps.step, search.bits, points)
+        search.move(gradient, layer.steps, offsets, mean, MAX_MOVE * mean)
+        if offsets is not None and usual is not None:
+            gain = (gradient * (self.unit - rendered)).sum(axis=0)
+            offsets = better_offsets(offsets, usual, gain, layer)
+        return score, offsets
 
-    def after(self, score: float | None) -> int:
-        """The index for the next layer, if the last one had this SSIMULACRA 2 score; None where there was none."""
-        if self.quality is None or score is None or self._scores == max(1, self.passes - 1):
-            return self.step
-        to_come = _GAIN * (self.passes - self._scores) ** 0.5
-        self._scores += 1
-        off = float(np.interp(score, _SCORES, _QUALITIES)) + to_come - self.quality
-        too_far = off - float(np.clip(off, -_NEARLY, _NEARLY))
-        moved = self.step - self._begin + round(_PER_QUALITY * too_far)
-        self.step = self._begin + min(max(moved, -_MAX_MOVE), _MAX_MOVE)
-        return self.step
+    def _judged(self, decoded: F32) -> tuple[float, float, F32]:
+        """SSIMULACRA 2 of a picture [C, H, W], points of both scores, and the gradient of these [C, H, W]."""
+        score, gradient = self._structure.gradient(decoded)
+        distance, _, farther = self._differences.gradient(decoded)
+        if distance == 0:  # it has a side of a few pixels
+            return score, score, gradient
+        points = score - BUTTERAUGLI * math.log(distance)
+        return score, points, gradient - np.float32(BUTTERAUGLI / distance) * farther
+
+    def _rendered(self, search: TextureSearch, symbols: TextureSymbols) -> F32:
+        """What a layer shows over the seeds of `search`, restored."""
+        rendered = rendered_over(search, self.unit, symbols, self.device)
+        if self.strength is not None:
+            rendered += self.strength.over(symbols).correction(rendered, self.device)
+        if self.empty is not None:
+            rendered[:, self.empty] = self.unit[:, self.empty]
+        return rendered
+
+    def _seen(self, planes: F32) -> F32:
+        """Samples as they are seen."""
+        if not self.luma_space:
+            return planes
+        return np.tensordot(from_luma_space(len(planes)).astype(np.float32), planes, axes=1)
+
+    def _in_unit(self, gradient: F32) -> F32:
+        """A gradient in samples as they are seen, in those of `unit`."""
+        if not self.luma_space:
+            return gradient
+        return np.tensordot(from_luma_space(len(gradient)).T.astype(np.float32), gradient, axes=1)
+
+
+_PART = 0.25
+"""Of the way to equal losses that step offsets go at a time: a gradient is noisy, and holds near by only. This, σ and
+the fewest symbols were tried together (docs/notes/2026-11-equal-losses.md)."""
+_MAX_AWAY = 4
+"""Quarters of an octave that they may be away from those of the tuning."""
+_SIGMA = 0.5
+"""Over which losses and symbols are smoothed, in superblocks: neighbours that differ cost bits."""
+_MIN_SYMBOLS = 128
+"""Of a superblock that tells something. Where seeds do most of the work, offsets stay."""
+_PSEUDO_COUNT = 40
+"""Pseudo-count: side-information bits of a superblock, in symbols."""
+_MIN_LOSS = 0.2
+"""Of a superblock, in means."""
+
+
+def better_offsets(
+    offsets: NDArray[np.int8], usual: NDArray[np.int8], gain: F32, symbols: TextureSymbols
+) -> NDArray[np.int8]:
+    """The step offsets [rows, columns] of the next layer. offsets: of this one; usual: of the tuning; gain [H, W]: what
+    the score would grow by, to first order, without the error of each pixel.
+
+    Their mean over symbols stays, so that a layer takes about as many bits.
+    """
+    lost = root_blocks(gain.astype(np.float64), "constant").sum(axis=(1, 3))
+    counts = lost != 0  # where no pixel counts, offsets do not
+    lost = smoothed(lost, _SIGMA)
+    coded = root_blocks((symbols.symbols != 0).sum(axis=0), "constant").sum(axis=(1, 3), dtype=np.float64)
+    count = smoothed(coded, _SIGMA)
+    tells = counts & (count >= _MIN_SYMBOLS)
+    least = _MIN_LOSS * float(lost.mean())
+    if least <= 0 or not tells.any():
+        return offsets
+    weight = np.where(tells, count + _PSEUDO_COUNT, 0.0)
+    octaves = 0.5 * np.log2(np.maximum(lost, least) / (count + _PSEUDO_COUNT))
+    octaves = np.where(tells, octaves - np.average(octaves, weights=weight), 0.0)
+    wanted = np.clip(offsets - 4 * _PART * octaves, usual - float(_MAX_AWAY), usual + float(_MAX_AWAY))
+    return np.clip(np.rint(wanted), -CONTRAST_LIMIT, CONTRAST_LIMIT).astype(np.int8)

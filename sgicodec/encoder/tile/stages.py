@@ -22,13 +22,12 @@ from sgicodec.encoder.tile.least_squares import LeastSquares, requantise_seeds_u
 from sgicodec.encoder.tile.perceptual import Perceptual
 from sgicodec.encoder.tile.sharing import TextureCosts, seed_weights
 from sgicodec.encoder.tile.state import Prepared, Tile, TileState
-from sgicodec.encoder.tile.texture import TextureStrategy
 from sgicodec.fit.base_layer import base_layer
 from sgicodec.fit.trainer import Fitted, Trainer
 from sgicodec.metrics.distortion import QuadraticReference, Reference, mean_weight
 from sgicodec.model.layout import ROOT_LOG, SeedLayout, adaptive_layout, cell_sums, uniform_layout
 from sgicodec.rate_control.rd_model import RdModel
-from sgicodec.rdoq import Rdoq
+from sgicodec.rdoq import Objective, best_model, searched_once
 
 __all__ = [
     "STRATEGIES",
@@ -44,7 +43,7 @@ __all__ = [
     "with_model",
 ]
 
-STRATEGIES: dict[str, TextureStrategy] = {"psnr": LeastSquares(), "visual": Perceptual()}
+STRATEGIES: dict[str, LeastSquares | Perceptual] = {"psnr": LeastSquares(), "visual": Perceptual()}
 """By what an encode is tuned for."""
 
 _MIN_TAUGHT_SEEDS = 64
@@ -164,13 +163,15 @@ def rdoq(state: TileState, min_passes: int = 0) -> TileState:
     if not tile.has_rdoq:
         return state
     tile.watch.stage("search")
-    known = state.header, state.model, tile.unit, state.fit.lmbda
-    search = Rdoq(*known, tile.effort.rdoq, tile.device, state.seed_reference)
-    if search.settings.passes == 1 and not tile.watch.ending():
-        return replace(state, model=search.once())
-    passes = max(search.settings.passes, min_passes)
-    result = search.best(passes, lambda: search.passes >= min_passes and tile.watch.ending())
-    return replace(state, model=result.model)
+    objective = Objective(state.header, tile.unit, tile.device, state.seed_reference)
+    settings, lmbda = tile.effort.rdoq, state.fit.lmbda
+    if settings.passes == 1 and not tile.watch.ending():
+        return replace(state, model=searched_once(objective, state.model, lmbda, settings))
+    settings = replace(settings, passes=max(settings.passes, min_passes))
+    model, _ = best_model(
+        objective, state.model, lmbda, settings, lambda done: done >= min_passes and tile.watch.ending()
+    )
+    return replace(state, model=model)
 
 
 def texture(state: TileState) -> TileState:

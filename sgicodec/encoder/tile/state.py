@@ -4,52 +4,57 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec.bitstream.header import Header
 from sgicodec.bitstream.parts.tile import TileModel
-from sgicodec.device import Device
+from sgicodec.device import ALL_CORES, Device
 from sgicodec.encoder.effort import Effort
-from sgicodec.encoder.input.nodata import Bare
+from sgicodec.encoder.input.nodata import Bare, bare_samples, coded_samples, with_least_masks
 from sgicodec.encoder.plan import Plan
 from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.encoder.tile.restoration import Restorer, Strength
 from sgicodec.encoder.tile.sharing import TextureCosts
 from sgicodec.encoder.tile.texture_steps import TUNINGS, Masking, TextureTuning
+from sgicodec.metrics.choices import DISTORTIONS
 from sgicodec.metrics.distortion import Reference
+from sgicodec.model.luma_space import to_luma_space
 from sgicodec.model.spec import ModelSpec
 from sgicodec.model.texture_symbols import TextureSymbols
 from sgicodec.picture import Picture
 from sgicodec.profiles.fit_settings import FitSettings
-from sgicodec.rdoq import can_optimise
+from sgicodec.rdoq import Objective, can_optimise
+from sgicodec.rdoq.texture import TextureSearch, colours_for
 
 if TYPE_CHECKING:
     from sgicodec.fit.trainer import Progress
 
-__all__ = ["Prepared", "Tile", "TileListener", "TileState", "Watch"]
+__all__ = ["Prepared", "Tile", "TileListener", "TileState", "Watch", "tile_of"]
 
 F32 = NDArray[np.float32]
 I64 = NDArray[np.int64]
 
 
-class TileListener(Protocol):
-    """Who is told of the work on a tile, and may end it."""
+class TileListener:
+    """Who is told of the work on a tile, and may end it. This one ignores all and ends nothing."""
 
     def stage(self, name: str) -> None:
         """A stage begins."""
 
     def step(self, progress: Progress) -> bool:
         """A step of a fit is done. Returns whether to go on."""
+        return True
 
     def ending(self) -> bool:
         """Whether to end soon, with the seeds as they are. Asked after a fit."""
+        return False
 
 
 @dataclass
-class Watch:
+class Watch(TileListener):
     """Tells a listener, and remembers. steps: of the last fit; is_short: whether it was to have more; was_ended:
     whether the listener ended it; fitted_by: the name of what made it, a GPU or the processor, empty before a fit.
     """
@@ -137,6 +142,46 @@ class Tile:
         return Restorer(self.unit, self.empty, self.tuning.network, self.device)
 
 
+def tile_of(
+    picture: Picture,
+    plan: Plan,
+    device: Device = ALL_CORES,
+    number: int = 0,
+    *,
+    listener: TileListener | None = None,
+) -> Tile:
+    """Tile `number` of a stream, whose pixels are `picture`."""
+    header = plan.header.of_tile(number) if plan.header.tile else with_least_masks(plan.header, picture)
+    settings = plan.settings
+    if settings.seeds is not None:
+        part = picture.width * picture.height / (plan.header.width * plan.header.height)
+        settings = replace(settings, seeds=max(1, round(settings.seeds * part)))
+    fit = settings.fit_settings()
+    if plan.header.tile:
+        fit = replace(fit, quality=header.quality)
+    bare = bare_samples(picture, header)
+    unit, empty = coded_samples(picture, header, bare)
+    masking = Masking(TUNINGS[settings.tuned_for], unit)
+    if header.spec.luma_space:
+        unit = np.tensordot(to_luma_space(header.spec.channels).astype(np.float32), unit, axes=1)
+    return Tile(
+        picture,
+        plan,
+        number,
+        header,
+        settings,
+        fit,
+        settings.chosen_effort,
+        unit,
+        empty,
+        bare,
+        DISTORTIONS[settings.minimised].reference(unit, empty),
+        masking,
+        Watch(listener or TileListener()),
+        device,
+    )
+
+
 @dataclass(frozen=True)
 class Prepared:
     """A tile before its fit."""
@@ -176,3 +221,29 @@ class TileState(Prepared):
         """The tile with this layer, restored with this strength; None for none."""
         restoration = None if texture is None or strength is None else strength.over(texture)
         return replace(self, model=replace(self.model, texture=texture, restoration=restoration))
+
+    def begin_texture(self) -> tuple[TileState, TextureSearch]:
+        """The tile with the offsets of its λ, and what searches texture over its seeds as decoders have them."""
+        tile, tuning = self.tile, self.tile.tuning
+        steps = tuning.steps(tuning.step(self.lmbda), tile.spec.channels)
+        offsets = tile.masking.offsets(steps)
+        left = Objective(self.header, tile.unit, tile.device).decoded_residual(self.model)[:, :, : tile.unit.shape[2]]
+        colours = colours_for(left, steps, tuning.price(self.lmbda), offsets, tile.device)
+        search = TextureSearch(left, tile.device, tile.effort.split_margin, colours=colours)
+        return replace(self, step_offsets=offsets), search
+
+    def best_layer(
+        self, search: TextureSearch, step: int, price: float | None = None, blocks: TextureSymbols | None = None
+    ) -> TextureSymbols | None:
+        """The layer of least cost, None where nothing is worth its bits. step: index of the lowest step; price: λ in
+        squared steps, None for what suits them; blocks: a layer whose blocks are taken, None for the best.
+        """
+        tuning = self.tile.tuning
+        price = tuning.squared_steps if price is None else price
+        return search.at(tuning.steps(step, self.tile.spec.channels), price, self.step_offsets, blocks)
+
+    def best_strength(self, search: TextureSearch, layer: TextureSymbols | None) -> Strength | None:
+        """With which to restore what this layer shows, None where that is better as it is."""
+        if layer is None or not self.tile.spec.restoration:
+            return None
+        return self.tile.restorer.strength(search, layer, self.lmbda)

@@ -11,8 +11,7 @@ from typing import NamedTuple
 from sgicodec.encoder.tile.restoration import Strength
 from sgicodec.encoder.tile.stages import STRATEGIES, fit_seeds, prepare, rd_model
 from sgicodec.encoder.tile.state import Tile, TileState
-from sgicodec.encoder.tile.texture import begin_texture
-from sgicodec.encoder.tile.writing import WrittenTile, measured, network_weights, write
+from sgicodec.encoder.tile.writing import EncodedTile, measured, network_weights, write
 from sgicodec.model.texture_symbols import STEP_COUNT
 from sgicodec.rate_control.rd_model import initial_lmbda, network_bytes
 from sgicodec.rate_control.step_search import OCTAVES_PER_UNIT, SHIFT_MAX, step_shift
@@ -26,14 +25,14 @@ FAR_OCTAVES = 1.5
 (docs/notes/2026-11-texture.md)."""
 
 
-def write_at_target(tile: Tile, target: RateTarget) -> tuple[WrittenTile, str | None]:
+def write_at_target(tile: Tile, target: RateTarget) -> tuple[EncodedTile, str | None]:
     """The tile that comes nearest to the target, and how it misses that, if it does."""
     best = _nearest(tile, target)
-    return best.written, target.miss_message(best.measured) if target.is_missed(best.measured) else None
+    return best.encoded, target.miss_message(best.measured) if target.is_missed(best.measured) else None
 
 
 class _Tried(NamedTuple):
-    written: WrittenTile
+    encoded: EncodedTile
     measured: Measured
 
 
@@ -70,7 +69,7 @@ def _at_target(state: TileState, target: RateTarget) -> tuple[_Tried, float, Str
     tile = state.tile
     strategy, first = STRATEGIES[tile.settings.tuned_for], tile.tuning.step(state.lmbda)
     tile.watch.stage("texture")
-    state, search = begin_texture(state)
+    state, search = state.begin_texture()
     tried: dict[float, _Tried] = {}
     none_from = math.inf  # the shift from which on there is no texture
 
@@ -86,8 +85,8 @@ def _at_target(state: TileState, target: RateTarget) -> tuple[_Tried, float, Str
         textured = strategy.lay_at(state, search, step_at(shift), price)
         if textured.model.texture is None:
             none_from = shift
-        written = write(textured)
-        tried[shift] = _Tried(written, measured(written, tile, target))
+        encoded = write(textured)
+        tried[shift] = _Tried(encoded, measured(encoded, tile, target))
         return tried[shift].measured
 
     # What follows is for the texture about where the target will be met.

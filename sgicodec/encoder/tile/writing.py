@@ -14,31 +14,51 @@ from sgicodec.bitstream.parts.tile_chunk import ExactSamples, encode_tile_chunk
 from sgicodec.bitstream.stream_writer import write_stream
 from sgicodec.decoder.stream import open_stream
 from sgicodec.encoder.tile.state import Tile, TileState
+from sgicodec.metrics.distortion import squared_error
 from sgicodec.metrics.psnr import psnr
 from sgicodec.metrics.visual_score import visual_score
 from sgicodec.model.context import input_count
 from sgicodec.model.spec import ModelSpec
-from sgicodec.picture import Picture, comparable, to_rgb8
+from sgicodec.picture import Metadata, Picture, comparable, to_rgb8
 from sgicodec.rate_control.target import Measured, RateTarget
 
-__all__ = ["WrittenTile", "decoded", "measured", "network_weights", "stream_of", "write", "write_nothing"]
+__all__ = ["EncodedTile", "measured", "network_weights", "stream_of", "write", "write_nothing"]
 
 
 @dataclass(frozen=True)
-class WrittenTile:
-    """header: the stream's, which the only tile changes; chunk: the payload of chunk T, `model` the part of it that
-    says what is rendered, None for nothing; part_bytes: what each part costs; seeds: how many; lmbda: of the encode.
-    """
+class EncodedTile:
+    """A finished tile. Without what is measured (NaN) where it is the only one of its stream."""
 
-    header: Header
-    chunk: bytes
-    model: bytes | None
+    payload: bytes
+    """Of its chunk."""
     part_bytes: dict[str, float]
+    """What each part of it costs."""
     seeds: int
+    squared_error: float
+    """Of what is decoded, in the tile's core, samples in 0..1."""
+    distortion: float
+    """What λ trades for bytes, of the same."""
+    samples: int
+    """How many samples the core has, 0 where they are not measured."""
+    seconds: float
+    """That it took, 0 before it is known."""
+    length: int
+    """Bytes of the payload, which may not be here."""
     lmbda: float
+    """Its λ."""
+    steps: int = 0
+    """Of its fit."""
+    fitted_by: str = ""
+    """The name of what made the fit, empty without one."""
+    header: Header | None = None
+    """The stream's, where its only tile changes it."""
+    ended_early: bool = False
+    """Whether the caller ended its fit or search."""
+    missed: str | None = None
+    """How the only tile misses the target."""
 
 
-def write(state: TileState) -> WrittenTile:
+def write(state: TileState) -> EncodedTile:
     """The tile as its stream has it."""
     tile, header, model = state.tile, state.header, state.model
     if tile.is_only:  # a header says no more than there is
@@ -46,29 +66,40 @@ def write(state: TileState) -> WrittenTile:
         texture = spec.texture and model.texture is not None
         restoration = spec.restoration and model.restoration is not None
         header = replace(header, spec=replace(spec, texture=texture, restoration=restoration))
-    payload, writer = write_tile(header, model)
+    coded, writer = write_tile(header, model)
     parts = {name: bits / 8 for name, bits in writer.bits.items()}
-    return _written(tile, header, payload, parts, len(model.layout), state.lmbda)
+    return _encoded(tile, header, coded, parts, len(model.layout), state.lmbda)
 
 
-def write_nothing(tile: Tile) -> WrittenTile:
+def write_nothing(tile: Tile) -> EncodedTile:
     """A tile that holds nothing."""
-    return _written(tile, tile.header, None, {}, 0, tile.fit.lmbda)
+    return _encoded(tile, tile.header, None, {}, 0, tile.fit.lmbda)
 
 
-def _written(
-    tile: Tile, header: Header, model: bytes | None, parts: dict[str, float], seeds: int, lmbda: float
-) -> WrittenTile:
-    header = header if tile.is_only else tile.plan.header
-    chunk = _chunk(tile, header, tile.number, model)
-    if header.masked is not None or header.has_exact:
-        parts["mask"] = len(chunk) - len(model or b"")
-    return WrittenTile(header, chunk, model, parts, seeds, lmbda)
+def _encoded(
+    tile: Tile, header: Header, coded: bytes | None, parts: dict[str, float], seeds: int, lmbda: float
+) -> EncodedTile:
+    """The tile with this model, None for nothing. One of several is measured on its own: where it fades into its
+    neighbours, they make the error smaller.
+    """
+    stream_header = header if tile.is_only else tile.plan.header
+    payload = _chunk(tile, stream_header, tile.number, coded)
+    if stream_header.masked is not None or stream_header.has_exact:
+        parts["mask"] = len(payload) - len(coded or b"")
+    known, size = (payload, parts, seeds), len(payload)
+    if tile.is_only:
+        return EncodedTile(*known, math.nan, math.nan, 0, 0.0, size, lmbda, header=header)
+    shown = _decoded(_stream(tile, tile.header, _chunk(tile, tile.header, 0, coded)), tile)
+    core, weights = _core(tile), tile.reference.weights
+    ours, theirs = (replace(picture, pixels=picture.pixels[core]) for picture in (tile.picture, shown))
+    error = squared_error(ours, theirs)
+    distortion = error if weights is None else squared_error(ours, theirs, weights[core])
+    return EncodedTile(*known, error, distortion, ours.pixels.size, 0.0, size, lmbda)
 
 
-def measured(written: WrittenTile, tile: Tile, target: RateTarget) -> Measured:
+def measured(encoded: EncodedTile, tile: Tile, target: RateTarget) -> Measured:
     """What the stream of the only tile is; of its PSNR and score, only what is asked for."""
-    data = stream_of(written, tile)
+    data = stream_of(encoded, tile)
     if target.psnr is not None:
         shown = np.array(True) if tile.empty is None else ~tile.empty[..., None]
         pictures = (tile.picture, _decoded(data, tile))
@@ -79,20 +110,15 @@ def measured(written: WrittenTile, tile: Tile, target: RateTarget) -> Measured:
     return Measured(len(data), math.inf)
 
 
-def stream_of(written: WrittenTile, tile: Tile) -> bytes:
-    """The stream of the only tile; of one of several, a stream that holds it alone."""
-    header, chunk, metadata = written.header, written.chunk, tile.plan.metadata
-    if not tile.is_only:
-        header, metadata = tile.header, None
-        chunk = _chunk(tile, header, 0, written.model)
+def stream_of(encoded: EncodedTile, tile: Tile) -> bytes:
+    """The stream of the only tile."""
+    return _stream(tile, encoded.header or tile.header, encoded.payload, tile.plan.metadata)
+
+
+def _stream(tile: Tile, header: Header, payload: bytes, metadata: Metadata | None = None) -> bytes:
     buffer = io.BytesIO()
-    write_stream(buffer, header, tile.plan.software, metadata, [chunk])
+    write_stream(buffer, header, tile.plan.software, metadata, [payload])
     return buffer.getvalue()
-
-
-def decoded(written: WrittenTile, tile: Tile) -> Picture:
-    """What a decoder makes of the tile alone: beside others, it fades into them."""
-    return _decoded(stream_of(written, tile), tile)
 
 
 def _decoded(data: bytes, tile: Tile) -> Picture:
@@ -100,14 +126,21 @@ def _decoded(data: bytes, tile: Tile) -> Picture:
         return stream.picture()
 
 
-def _chunk(tile: Tile, header: Header, number: int, model: bytes | None) -> bytes:
+def _chunk(tile: Tile, header: Header, number: int, coded: bytes | None) -> bytes:
     """The payload of chunk T of a model, None for nothing."""
     empty = tile.empty if header.masked == "transparent" else tile.bare.nodata
     exact = None
     if tile.bare.exact is not None:
         places = np.flatnonzero(tile.bare.exact)
         exact = ExactSamples(places, tile.picture.pixels[..., : tile.picture.alpha].reshape(-1)[places])
-    return encode_tile_chunk(header, number, empty, model, exact)
+    return encode_tile_chunk(header, number, empty, coded, exact)
+
+
+def _core(tile: Tile) -> tuple[slice, slice]:
+    """Rows and columns of a tile's pixels that are in no other core."""
+    grid, number = tile.plan.header.grid, tile.number
+    (left, top, _, _), (x, y, width, height) = grid.rect(number), grid.core(number)
+    return slice(y - top, y - top + height), slice(x - left, x - left + width)
 
 
 def network_weights(spec: ModelSpec) -> int:

@@ -13,8 +13,8 @@ from typing import Any, TypeVar
 
 from sgicodec.bitstream.header import encode_header
 from sgicodec.encoder.plan import Plan
+from sgicodec.encoder.tile.writing import EncodedTile
 from sgicodec.encoder.tiles.store import Version
-from sgicodec.encoder.tiles.tasks import EncodedTile
 from sgicodec.errors import OutputExistsError, StreamError, UsageError
 from sgicodec.files.lock import locked
 

@@ -12,9 +12,10 @@ from typing import BinaryIO
 from sgicodec.bitstream.stream_writer import stream_length, write_stream
 from sgicodec.encoder.plan import Plan
 from sgicodec.encoder.progress import PassReporter
+from sgicodec.encoder.tile.writing import EncodedTile
 from sgicodec.encoder.tiles.runner import TileRunner
 from sgicodec.encoder.tiles.store import Store, Version
-from sgicodec.encoder.tiles.tasks import EncodedTile, FitTask, LookaheadTask, SearchTask, Task
+from sgicodec.encoder.tiles.tasks import FitTask, LookaheadTask, SearchTask, Task
 from sgicodec.metrics.distortion import decibels
 from sgicodec.model.steps import quality_index
 from sgicodec.rate_control.allocation import allocate

@@ -1,36 +1,43 @@
-"""The tiles of a picture on an executor: a worker is sent the pixels, or reads them itself."""
+"""The tiles of a picture on an executor: as many workers as there is memory for (docs/large.md, "Memory"), each of
+which is sent the pixels, or reads them itself.
+"""
 
 from __future__ import annotations
 
 import atexit
+import math
+import os
 import threading
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Generic, NamedTuple, TypeVar
 
+from threadpoolctl import threadpool_limits
+
 from sgicodec.cuda.choice import NamedDevice
 from sgicodec.device import Device
-from sgicodec.encoder.blas_threads import one_blas_thread
 from sgicodec.encoder.input.windows import Windows, tile_window
 from sgicodec.encoder.plan import Plan
 from sgicodec.encoder.tiles.tasks import Task
 from sgicodec.errors import PictureError
-from sgicodec.executors.executor import Executor
+from sgicodec.executors.executor import MIB, Executor, Memory
+from sgicodec.executors.serial import SerialExecutor
 from sgicodec.image.opened import Alpha
 from sgicodec.image.source import Source, open_source
 from sgicodec.image.used_range import SampleUse
 from sgicodec.picture import Picture
 
-__all__ = ["ReadingTask", "TileJob", "TileRunner", "TileTask"]
+__all__ = ["PictureAt", "TileJob", "TileRunner", "TileTask", "one_blas_thread", "within_memory"]
 
 Result = TypeVar("Result")
 
 
 class TileJob(NamedTuple):
-    """What a worker is sent: the pixels, or None where it reads them itself, and where a search begins."""
+    """What a worker is sent: the pixels, or where it reads them itself, and where a search begins."""
 
-    window: Picture | None
+    pixels: Picture | PictureAt
     start: bytes
 
 
@@ -55,43 +62,38 @@ class TileRunner:
             tile = tile_window(self._windows, plan, 0)
             return iter([(0, task(0, tile, start(0), self._device))])
         device = executor.device(self._device, len(numbers))
-        if executor.place is not None and window is None:
-            reading = ReadingTask(plan, executor.place, task, device, self._windows.page)
-            return executor.run(reading, numbers, lambda number: TileJob(None, start(number)))
+        there = None if executor.place is None else PictureAt(plan, executor.place, self._windows.page)
 
         def job(number: int) -> TileJob:
-            return TileJob(window or tile_window(self._windows, plan, number), start(number))
+            return TileJob(window or there or tile_window(self._windows, plan, number), start(number))
 
         return executor.run(TileTask(task, device), numbers, job)
 
 
 @dataclass(frozen=True)
 class TileTask(Generic[Result]):
-    """Does a task to the pixels that come with the tile's number."""
+    """Does a task to the tiles of jobs."""
 
     task: Task[Result]
     device: Device | NamedDevice
 
     def __call__(self, number: int, job: TileJob) -> Result:
-        """What the task makes of the tile. Raises PictureError where no pixels came."""
-        if job.window is None:
-            raise PictureError("no pixels came")
+        """What the task makes of the tile. Raises PictureError where its pixels cannot be read."""
+        window = job.pixels if isinstance(job.pixels, Picture) else job.pixels.window(number)
         with one_blas_thread():
-            return self.task(number, job.window, job.start, self.device.of_tile(number))
+            return self.task(number, window, job.start, self.device.of_tile(number))
 
 
 @dataclass(frozen=True)
-class ReadingTask(Generic[Result]):
-    """Reads the tile's pixels from a page of `place`, a path or a URL, which stays open between tiles."""
+class PictureAt:
+    """A page of `place`, a path or a URL, which stays open between tiles."""
 
     plan: Plan
     place: str
-    task: Task[Result]
-    device: Device | NamedDevice
     page: int | None = None
 
-    def __call__(self, number: int, job: TileJob) -> Result:
-        """What the task makes of the tile. Raises PictureError for another picture than the plan's."""
+    def window(self, number: int) -> Picture:
+        """The pixels of a tile. Raises PictureError for another picture than the plan's."""
         header = self.plan.header
         with _reading:
             use = SampleUse(header.sample_range, header.blank, header.has_exact)
@@ -99,9 +101,7 @@ class ReadingTask(Generic[Result]):
             opened = source.width, source.height, source.channels, str(source.dtype)
             if opened != (header.width, header.height, header.channels, header.sample_type):
                 raise PictureError(f"{self.place}: this is another picture than the one being encoded")
-            window = source.read(*header.grid.rect(number))
-        job = TileJob(self.plan.of_header(window), job.start)
-        return TileTask(self.task, self.device)(number, job)
+            return self.plan.of_header(source.read(*header.grid.rect(number)))
 
 
 _reading = threading.Lock()
@@ -115,3 +115,71 @@ def _opened(place: str, use: SampleUse, alpha: Alpha, page: int | None) -> Sourc
 
 
 atexit.register(_opened.cache_clear)
+
+MAIN = 150 * MIB
+"""The process that reads and writes: Python, numpy, OpenImageIO. One that fits too has room for them in WORKER."""
+WORKER = 110 * MIB
+"""A process that fits: Python, numpy, and what a fit takes of any size."""
+PIXEL_BYTES, CHANNEL_BYTES = 52, 16
+"""Of images in a fit for each pixel, and for each of its channels."""
+SEED_BYTES = 1400
+"""Of a fit for each seed that it starts with."""
+UNIFORM_SAMPLE_BYTES, UNIFORM_ATTRIBUTE_BYTES = 6, 100
+"""In a uniform layout: for each sample, and for each attribute of each seed, 7.4 kB for the 74 of K = 10, D = 50.
+Measured with 1,000 and 40,000 seeds in 0.4 megapixels 110 and 381 MiB, with 350,000 in 52.3 megapixels 3,318."""
+SCORED_PIXEL_BYTES, SCORED_CHANNEL_BYTES = 320, 50
+"""For each pixel, and for each of its channels, while scores say what texture should show; 180 are Butteraugli's."""
+MAX_SEEDS, USUAL_SEEDS, USUAL_LMBDA = 0.25, 0.1, 0.5 * 2 ** (-49 / 8)
+"""Seeds for each pixel: cells have four pixels at least; dense texture starts with a tenth at quality 50."""
+
+
+def within_memory(windows: Windows, plan: Plan, executor: Executor | None) -> tuple[Executor, Memory]:
+    """The executor, by default this process, with no more workers than there is memory for, and what that takes at its
+    peak. Raises UsageError where one is too many.
+    """
+    grid = plan.header.grid
+    memory = _estimate(plan, windows.memory(*grid.rect(0)[2:]))
+    return (executor or SerialExecutor()).within(memory, grid.count), memory
+
+
+def _estimate(plan: Plan, reading: int) -> Memory:
+    """For dense detail; `reading` is what the source holds while its windows are read."""
+    header, fit = plan.header, plan.settings.fit_settings()
+    _, _, width, height = header.grid.rect(0)
+    pixels, channels = (width + 2 * header.apron) * (height + 2 * header.apron), header.spec.channels
+    window = pixels * channels * {"uint8": 1, "uint16": 2, "float32": 4}[header.sample_type]
+    if header.spec.layout == "uniform":
+        attributes = (fit.seeds or pixels / 400) * header.spec.attributes
+        fitting = pixels * channels * UNIFORM_SAMPLE_BYTES + attributes * UNIFORM_ATTRIBUTE_BYTES
+        return Memory(MAIN + reading + 2 * window, WORKER + window + round(fitting), MAIN)
+    share = MAX_SEEDS  # where λ follows from a target
+    if plan.settings.target is None:
+        share = min(MAX_SEEDS, USUAL_SEEDS * math.sqrt(USUAL_LMBDA / max(fit.lmbda, 1e-9)))
+    fitting = pixels * (PIXEL_BYTES + CHANNEL_BYTES * channels + SEED_BYTES * share)
+    if header.spec.texture and plan.settings.chosen_effort.ascent_passes:
+        fitting = max(fitting, pixels * (SCORED_PIXEL_BYTES + SCORED_CHANNEL_BYTES * channels))
+    return Memory(MAIN + reading + 2 * window, WORKER + window + round(fitting), MAIN)
+
+
+_VARIABLE = "OPENBLAS_NUM_THREADS"
+"""By which somebody chose already; the command line does, before numpy loads."""
+_setting = threading.Lock()
+"""Held by the encode that has set the limit."""
+
+
+@contextmanager
+def one_blas_thread() -> Iterator[None]:
+    """BLAS has one thread meanwhile, in the whole process. Products are too small to share here, and threads that wait
+    for the next one spin: a quarter of the processor time of an encode.
+
+    Of encodes side by side, the one that set the limit takes it away when it ends; others may go on without. A program
+    that sets OPENBLAS_NUM_THREADS keeps that.
+    """
+    if _VARIABLE in os.environ or not _setting.acquire(blocking=False):
+        yield
+        return
+    try:
+        with threadpool_limits(limits=1, user_api="blas"):
+            yield
+    finally:
+        _setting.release()

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from typing import NamedTuple, Protocol, TypeVar
 
-from sgicodec.encoder.tiles.tasks import EncodedTile
+from sgicodec.encoder.tile.writing import EncodedTile
 
 __all__ = ["MemoryStore", "Store", "Version"]
 

@@ -2,23 +2,19 @@
 
 from __future__ import annotations
 
-import math
 import time
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Protocol, TypeVar
 
-from sgicodec.bitstream.header import Header
 from sgicodec.bitstream.parts.tile import read_tile
 from sgicodec.bitstream.parts.tile_chunk import decode_tile_chunk
 from sgicodec.device import Device
 from sgicodec.encoder.plan import Plan
-from sgicodec.encoder.tile.inputs import tile_of
 from sgicodec.encoder.tile.stages import encode, prepare, rd_model, texture, with_model
-from sgicodec.encoder.tile.state import Tile, TileListener
+from sgicodec.encoder.tile.state import Tile, TileListener, tile_of
 from sgicodec.encoder.tile.target import write_at_target
-from sgicodec.encoder.tile.writing import WrittenTile, decoded, network_weights, write, write_nothing
+from sgicodec.encoder.tile.writing import EncodedTile, network_weights, write, write_nothing
 from sgicodec.executors.threads import stopping
-from sgicodec.metrics.distortion import squared_error
 from sgicodec.picture import Picture
 from sgicodec.rate_control.rd_model import EMPTY_STREAM_BYTES, tile_side_bytes
 from sgicodec.rate_control.tile_rd_model import LMBDA_GRID, RdTable
@@ -27,43 +23,10 @@ from sgicodec.rdoq.objective import with_values
 if TYPE_CHECKING:
     from sgicodec.fit.trainer import Progress
 
-__all__ = ["EncodedTile", "FitTask", "LookaheadTask", "SearchTask", "Task"]
+__all__ = ["FitTask", "LookaheadTask", "SearchTask", "Task"]
 
 
 Made = TypeVar("Made", covariant=True)
-
-
-@dataclass(frozen=True)
-class EncodedTile:
-    """A finished tile. Without what is measured (NaN) where it is the only one of its stream."""
-
-    payload: bytes
-    """Of its chunk."""
-    part_bytes: dict[str, float]
-    """What each part of it costs."""
-    seeds: int
-    squared_error: float
-    """Of what is decoded, in the tile's core, samples in 0..1."""
-    distortion: float
-    """What λ trades for bytes, of the same."""
-    samples: int
-    """How many samples the core has, 0 where they are not measured."""
-    seconds: float
-    """That it took."""
-    length: int
-    """Bytes of the payload, which may not be here."""
-    lmbda: float
-    """Its λ."""
-    steps: int = 0
-    """Of its fit."""
-    fitted_by: str = ""
-    """The name of what made the fit, empty without one."""
-    header: Header | None = None
-    """The stream's, where its only tile changes it."""
-    ended_early: bool = False
-    """Whether the caller ended its fit or search."""
-    missed: str | None = None
-    """How the only tile misses the target."""
 
 
 class Task(Protocol[Made]):
@@ -106,10 +69,11 @@ class FitTask:
         began, listener = time.monotonic(), self.listener or _Waiting()
         listener.stage("prepare")
         tile = tile_of(window, self.plan, device, number, listener=listener)
-        written, missed = _fitted(tile)
+        encoded, missed = _fitted(tile)
         watch = tile.watch
         return replace(
-            _finished(tile, written, began),
+            encoded,
+            seconds=time.monotonic() - began,
             steps=watch.steps,
             ended_early=watch.is_short or watch.ending(),
             fitted_by=watch.fitted_by,
@@ -117,7 +81,7 @@ class FitTask:
         )
 
 
-def _fitted(tile: Tile) -> tuple[WrittenTile, str | None]:
+def _fitted(tile: Tile) -> tuple[EncodedTile, str | None]:
     """A tile after all stages, and how it misses what was asked for, if it does."""
     if tile.holds_nothing:
         return write_nothing(tile), None
@@ -125,11 +89,8 @@ def _fitted(tile: Tile) -> tuple[WrittenTile, str | None]:
     return (write(encode(tile)), None) if target is None else write_at_target(tile, target)
 
 
-class _Waiting:
-    """A `TileListener` of a worker, whose work ends where nobody waits for it any more."""
-
-    def stage(self, name: str) -> None:
-        """Nobody asks."""
+class _Waiting(TileListener):
+    """In a worker, whose work ends where nobody waits for it any more."""
 
     def step(self, progress: Progress) -> bool:
         """As in `TileListener`."""
@@ -151,32 +112,8 @@ class SearchTask:
         began, tile = time.monotonic(), tile_of(window, self.plan, device, number)
         payload = decode_tile_chunk(self.plan.header, start).model
         if payload is None:
-            return _finished(tile, write_nothing(tile), began)
+            return replace(write_nothing(tile), seconds=time.monotonic() - began)
         model, _ = read_tile(tile.header, payload, device)
         model = with_values(tile.spec, model, model.decoded_values)
         state = with_model(prepare(tile, tile.fit.lmbda), tile.header, model)
-        return _finished(tile, write(texture(state)), began)
-
-
-def _finished(tile: Tile, written: WrittenTile, began: float) -> EncodedTile:
-    """The tile's payload. One of several is measured on its own: where it fades into its neighbours, they make the
-    error smaller.
-    """
-    size, lmbda = len(written.chunk), tile.fit.lmbda
-    known = written.chunk, written.part_bytes, written.seeds
-    if tile.is_only:
-        seconds = time.monotonic() - began
-        return EncodedTile(*known, math.nan, math.nan, 0, seconds, size, written.lmbda, header=written.header)
-    shown, core, weights = decoded(written, tile), _core(tile), tile.reference.weights
-    ours, theirs = (replace(picture, pixels=picture.pixels[core]) for picture in (tile.picture, shown))
-    error = squared_error(ours, theirs)
-    distortion = error if weights is None else squared_error(ours, theirs, weights[core])
-    seconds = time.monotonic() - began
-    return EncodedTile(*known, error, distortion, ours.pixels.size, seconds, size, lmbda)
-
-
-def _core(tile: Tile) -> tuple[slice, slice]:
-    """Rows and columns of a tile's pixels that are in no other core."""
-    grid, number = tile.plan.header.grid, tile.number
-    (left, top, _, _), (x, y, width, height) = grid.rect(number), grid.core(number)
-    return slice(y - top, y - top + height), slice(x - left, x - left + width)
+        return replace(write(texture(state)), seconds=time.monotonic() - began)

@@ -12,7 +12,7 @@ from click.testing import Result
 
 from sgicodec.decoder.stream import open_stream
 from sgicodec.encoder.tile.state import TileState
-from sgicodec.encoder.tile.writing import WrittenTile
+from sgicodec.encoder.tile.writing import EncodedTile
 from sgicodec.encoder.tiles import tasks
 
 Run = Callable[..., Result]
@@ -56,11 +56,11 @@ def test_a_stream_beside_its_picture_is_replaced_with_force(
 def test_failure_leaves_nothing(sgi: Run, picture: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     real = tasks.write
 
-    def damaged(state: TileState) -> WrittenTile:
+    def damaged(state: TileState) -> EncodedTile:
         whole = real(state)
-        chunk = bytearray(whole.chunk)
-        chunk[len(chunk) // 2] ^= 1
-        return replace(whole, chunk=bytes(chunk))
+        payload = bytearray(whole.payload)
+        payload[len(payload) // 2] ^= 1
+        return replace(whole, payload=bytes(payload))
 
     monkeypatch.setattr(tasks, "write", damaged)
     result = sgi("encode", picture, "--steps", 2)

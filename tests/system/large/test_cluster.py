@@ -16,7 +16,7 @@ from sgicodec.cli.main import cli
 from sgicodec.device import ONE_THREAD
 from sgicodec.encoder.input.windows import windows_of
 from sgicodec.encoder.plan import Plan, stream_plan
-from sgicodec.encoder.tiles.runner import ReadingTask, TileJob
+from sgicodec.encoder.tiles.runner import PictureAt, TileJob, TileTask
 from sgicodec.encoder.tiles.tasks import FitTask
 from sgicodec.errors import PictureError, TileFailedError, UsageError
 from sgicodec.executors.dask import open_cluster
@@ -83,12 +83,12 @@ def plan_of(photo: Path, settings: EncodeSettings) -> Plan:
 
 def test_workers_read_paths_and_urls(photo: Path, settings: EncodeSettings, tmp_path: Path) -> None:
     plan = plan_of(photo, settings)
-    job, work = TileJob(None, b""), FitTask(plan)
-    by_path, by_url = (ReadingTask(plan, place, work, ONE_THREAD)(4, job) for place in (str(photo), photo.as_uri()))
+    fit = TileTask(FitTask(plan), ONE_THREAD)
+    by_path, by_url = (fit(4, TileJob(PictureAt(plan, place), b"")) for place in (str(photo), photo.as_uri()))
     assert by_path.payload == by_url.payload
     other = tmp_path / "other.png"
     write(Picture(np.zeros((9, 9, 3), np.uint8), "rgb", (0.0, 255.0)), other)
     with pytest.raises(PictureError, match="another picture"):
-        ReadingTask(plan, str(other), work, ONE_THREAD)(0, job)
+        PictureAt(plan, str(other)).window(0)
     with pytest.raises(PictureError):
-        ReadingTask(plan, (tmp_path / "missing.png").as_uri(), work, ONE_THREAD)(0, job)
+        PictureAt(plan, (tmp_path / "missing.png").as_uri()).window(0)

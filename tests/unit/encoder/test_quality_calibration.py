@@ -12,7 +12,12 @@ from numpy.typing import NDArray
 from sgicodec import EncodeSettings, Picture, read
 from sgicodec.encoder.input.windows import windows_of
 from sgicodec.encoder.plan import Plan, stream_plan
-from sgicodec.encoder.quality_calibration import log_gradients, quality_offset, with_quality_calibration
+from sgicodec.encoder.quality_calibration import (
+    CalibratedSteps,
+    log_gradients,
+    quality_offset,
+    with_quality_calibration,
+)
 from sgicodec.profiles.default import lmbda_of_quality
 
 PHOTO = Path(__file__).parents[2] / "data" / "kodim13.png"
@@ -127,3 +132,32 @@ def test_a_single_tile_is_brought_to_the_look_of_its_quality(photo: Picture) -> 
     assert planned(photo, quality=55.0, tile=256)[1].calibrated_quality is None
     for fixed in ({"lmbda": 1e-4}, {"bpp": 0.5}, {"ssimulacra2": 60.0}, {"tune": "psnr"}):
         assert planned(photo, **fixed)[1].calibrated_quality is None
+
+
+def test_steps_of_texture_become_finer_where_the_score_is_too_low() -> None:
+    steps = CalibratedSteps(57.0, 400, passes=5)
+    assert steps.after(None) == 400
+    low = steps.after(60.0)
+    assert 390 < low < 400
+    assert steps.after(66.0) == low  # near enough, with what is still to come
+    assert steps.after(80.0) > low + 9
+    assert steps.after(66.0) == steps.step
+    assert steps.after(20.0) == steps.step  # the last pass keeps its steps
+
+
+def test_steps_move_so_far_and_no_farther() -> None:
+    steps = CalibratedSteps(57.0, 400, passes=8)
+    assert [steps.after(95.0) for _ in range(3)] == [432] * 3
+    assert [steps.after(-90.0) for _ in range(3)] == [368] * 3
+
+
+@pytest.mark.parametrize("passes", [1, 2])
+def test_few_passes_move_steps_once(passes: int) -> None:
+    steps = CalibratedSteps(57.0, 400, passes)
+    first = steps.after(60.0)
+    assert first < 400
+    assert steps.after(60.0) == first
+
+
+def test_without_a_look_steps_stay() -> None:
+    assert CalibratedSteps(None, 400, passes=5).after(20.0) == 400

@@ -13,7 +13,7 @@ from sgicodec.bitstream.parts.prior import load_prior
 from sgicodec.device import ONE_THREAD, Device
 from sgicodec.encoder.pipeline import encode_picture
 from sgicodec.encoder.settings import EncodeSettings
-from sgicodec.fit.trainer import Fitted, Progress, Trainer
+from sgicodec.fit.trainer import Fitted, Trainer
 from sgicodec.model.layout import adaptive_layout
 from sgicodec.picture import Picture
 from sgicodec.profiles.default import default_settings, default_spec
@@ -34,9 +34,8 @@ def fit(settings: FitSettings, device: Device, prior: int = 3) -> tuple[Fitted, 
     spec, target = default_spec(3, prior=prior), smooth_picture(80, 64) - np.float32(0.5)
     networks = load_prior(spec) if prior else None
     trainer = Trainer(spec, settings, target, adaptive_layout(target, 30 * LMBDA), FAMILY, networks, device=device)
-    seen: list[Progress] = []
-    fitted = trainer.run(lambda progress: not seen.append(progress))
-    return fitted, [10 ** (-p.psnr / 10) * target.size + LMBDA * p.bits for p in seen], trainer
+    seen = list(trainer.iterate())
+    return trainer.result(), [10 ** (-p.psnr / 10) * target.size + LMBDA * p.bits for p in seen], trainer
 
 
 def still(steps: int, low_effort: bool = False) -> FitSettings:

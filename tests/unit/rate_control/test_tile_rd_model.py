@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sgicodec.encoder.tiles.tasks import EncodedTile
+from sgicodec.encoder.tile.writing import EncodedTile
 from sgicodec.rate_control.allocation import Option
 from sgicodec.rate_control.target import RateTarget
 from sgicodec.rate_control.tile_rd_model import LMBDA_GRID, Bound, RdTable, TileRdModel

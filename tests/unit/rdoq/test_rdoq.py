@@ -10,7 +10,7 @@ from sgicodec import EncodeSettings, encode_picture, read
 from sgicodec.bitstream.parts.tile import TileModel
 from sgicodec.decoder.stream import open_stream
 from sgicodec.picture import to_unit
-from sgicodec.rdoq import Objective, Rdoq, RdoqResult, RdoqSettings
+from sgicodec.rdoq import Objective, RdoqSettings, best_model
 from sgicodec.rdoq.objective import joined
 
 Stage = Callable[..., tuple[Objective, TileModel]]
@@ -18,25 +18,20 @@ Stage = Callable[..., tuple[Objective, TileModel]]
 PICTURE = Path(__file__).parents[2] / "data" / "kodim23.png"
 
 
-def refined(objective: Objective, model: TileModel, lmbda: float, settings: RdoqSettings) -> RdoqResult:
-    return Rdoq(objective.header, model, objective.picture, lmbda, settings, objective.device).best()
-
-
 def test_what_would_cost_is_not_taken(stage: Stage) -> None:
     """Steps four octaves too coarse spoil any model."""
     objective, model = stage()
-    good = refined(objective, model, 1e-5, RdoqSettings(passes=3))
-    spoilt = RdoqSettings(passes=1, coarser=4.0)
-    kept = refined(objective, good.model, 1e-5, spoilt)
-    assert kept.cost == good.cost
-    np.testing.assert_array_equal(joined(kept.model), joined(good.model))
+    good, cost = best_model(objective, model, 1e-5, RdoqSettings(passes=3))
+    kept, after = best_model(objective, good, 1e-5, RdoqSettings(passes=1, coarser=4.0))
+    assert after == cost
+    np.testing.assert_array_equal(joined(kept), joined(good))
 
 
 def test_same_model_for_any_number_of_threads(stage: Stage) -> None:
     models = []
     for threads in (1, 2):
         objective, model = stage(height=120, width=130, threads=threads)
-        models.append(refined(objective, model, 1e-3, RdoqSettings(passes=3)).model)
+        models.append(best_model(objective, model, 1e-3, RdoqSettings(passes=3))[0])
     np.testing.assert_array_equal(joined(models[0]), joined(models[1]))
     np.testing.assert_array_equal(models[0].layout.corner, models[1].layout.corner)
 

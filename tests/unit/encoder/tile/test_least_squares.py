@@ -10,13 +10,13 @@ from pathlib import Path
 import numpy as np
 
 from sgicodec import EncodeSettings, Picture, read
+from sgicodec.decoder.stream import open_stream
 from sgicodec.encoder.effort import Tune
 from sgicodec.encoder.plan import Shape, stream_plan
-from sgicodec.encoder.tile.inputs import tile_of
 from sgicodec.encoder.tile.least_squares import requantise_seeds_under_texture, with_seeds_for
 from sgicodec.encoder.tile.stages import fit_seeds, texture
-from sgicodec.encoder.tile.state import TileState, Watch
-from sgicodec.encoder.tile.writing import decoded, write
+from sgicodec.encoder.tile.state import TileState, Watch, tile_of
+from sgicodec.encoder.tile.writing import stream_of, write
 from sgicodec.metrics.distortion import squared_error
 
 PHOTO = Path(__file__).parents[3] / "data" / "kodim23.png"
@@ -36,7 +36,8 @@ def searched(tune: Tune, quality: float = 54) -> TileState:
 def cost(state: TileState) -> tuple[int, float]:
     """Bytes and squared error of these seeds with texture."""
     written = write(texture(state))
-    return len(written.chunk), squared_error(state.tile.picture, decoded(written, state.tile))
+    with open_stream(stream_of(written, state.tile)) as stream:
+        return len(written.payload), squared_error(state.tile.picture, stream.picture())
 
 
 def requantised(state: TileState, rounds: int) -> TileState:

@@ -11,11 +11,9 @@ import pytest
 from sgicodec import EncodeSettings, Picture, read
 from sgicodec.encoder.effort import Tune
 from sgicodec.encoder.plan import Shape, stream_plan
-from sgicodec.encoder.tile.inputs import tile_of
 from sgicodec.encoder.tile.least_squares import requantise_seeds_under_texture
 from sgicodec.encoder.tile.stages import encode, fit, fit_seeds, prepare, rdoq, share, texture
-from sgicodec.encoder.tile.state import Tile
-from sgicodec.encoder.tile.texture import begin_texture
+from sgicodec.encoder.tile.state import Tile, tile_of
 from sgicodec.encoder.tile.writing import write
 
 PHOTO = Path(__file__).parents[3] / "data" / "kodim13.png"
@@ -41,17 +39,17 @@ def test_the_same_again(tune: Tune) -> None:
     shown = texture(seeds)
     assert (seeds is searched) == (tune == "visual")
     assert shown.model.texture is not None
-    expected = write(shown).chunk
-    assert write(texture(seeds)).chunk == expected
-    assert write(texture(requantise_seeds_under_texture(searched))).chunk == expected
-    assert write(texture(requantise_seeds_under_texture(rdoq(fitted)))).chunk == expected
-    assert write(encode(tile)).chunk == expected
+    expected = write(shown).payload
+    assert write(texture(seeds)).payload == expected
+    assert write(texture(requantise_seeds_under_texture(searched))).payload == expected
+    assert write(texture(requantise_seeds_under_texture(rdoq(fitted)))).payload == expected
+    assert write(encode(tile)).payload == expected
 
 
 def test_what_a_search_learns_stays_with_it() -> None:
     """An ascent moves what its own search looks for, and the offsets of the state that it returns."""
     tile = tile_for("visual")
-    state, _ = begin_texture(fit_seeds(tile, tile.fit.lmbda))
+    state, _ = fit_seeds(tile, tile.fit.lmbda).begin_texture()
     assert state.step_offsets is not None
     before = state.step_offsets.copy()
     texture(state)

@@ -15,9 +15,9 @@ import pytest
 from sgicodec import EncodeSettings, open_source
 from sgicodec.encoder.input.windows import windows_of
 from sgicodec.encoder.plan import stream_plan
+from sgicodec.encoder.tile.writing import EncodedTile
 from sgicodec.encoder.tiles.checkpoint import Checkpoint, fingerprint
 from sgicodec.encoder.tiles.store import Version
-from sgicodec.encoder.tiles.tasks import EncodedTile
 from sgicodec.errors import OutputExistsError, OutputLockedError, StreamError, UsageError
 
 MARK = bytes(range(32))
@@ -90,7 +90,7 @@ from dataclasses import replace
 from pathlib import Path
 from sgicodec.encoder.tiles.checkpoint import Checkpoint
 from sgicodec.encoder.tiles.store import Version
-from sgicodec.encoder.tiles.tasks import EncodedTile
+from sgicodec.encoder.tile.writing import EncodedTile
 checkpoint = Checkpoint(Path(sys.argv[1]))
 with checkpoint.opened(lambda: bytes(range(32))):
     for number in range(10**9):

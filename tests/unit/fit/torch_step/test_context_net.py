@@ -79,7 +79,7 @@ def test_the_fit_counts_the_bits_that_are_written(spec: ModelSpec) -> None:
     fit = Fit(spec)
     plan = default_plan(spec, QUALITY)
     networks: tuple[IntNetwork, ...] = fit.weights.integers(8)
-    fit.weights.load(networks, trains=False)
+    fit.weights.load(networks)
     decoded, walk = fit.code(networks, plan)
     sample = fit.sample(ContextNet(fit.weights), plan, decoded)
     written = sum(walk.bits[group.name] for group in spec.groups)

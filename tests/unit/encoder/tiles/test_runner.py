@@ -9,7 +9,7 @@ import numpy as np  # noqa: F401 (whose BLAS it is)
 import pytest
 from threadpoolctl import threadpool_info, threadpool_limits
 
-from sgicodec.encoder.blas_threads import one_blas_thread
+from sgicodec.encoder.tiles.runner import one_blas_thread
 
 
 def blas_threads() -> set[int]:
