@@ -5,8 +5,7 @@ A distortion turns a picture into a `Reference`. Every stage that decides on see
 
 - `weights` is what one squared error costs at each pixel: it splits quadtree cells, prunes and adds seeds, is fused
   into the fit's native step and into RDOQ, and fits the base layer;
-- `value` is what λ trades against bits, and what RDOQ judges whole models by;
-- `gradient` is the derivative of `value`, the reference for every native gradient.
+- `value` is what λ trades against bits, and what RDOQ judges whole models by.
 
 A distortion that is no weighted sum of squares gives as `weights` those of a quadratic model of itself.
 
@@ -46,10 +45,6 @@ class Reference(Protocol):
         """The distortion, in units of squared error summed over pixels and channels."""
         ...
 
-    def gradient(self, residual: F32) -> F32:
-        """Derivative of `value` in the rendered samples [C, H, W]."""
-        ...
-
 
 class Distortion(Protocol):
     """A kind of distortion; `name` is what settings call it."""
@@ -74,11 +69,6 @@ class QuadraticReference:
         """Summed in float64."""
         squares = np.square(residual, dtype=np.float64)
         return float(np.sum(squares if self.weights is None else squares * self.weights))
-
-    def gradient(self, residual: F32) -> F32:
-        """−2 w e for the residual e."""
-        gradient = np.float32(-2) * residual
-        return gradient if self.weights is None else gradient * self.weights
 
 
 def mean_weight(reference: Reference, residual: F32) -> float:
