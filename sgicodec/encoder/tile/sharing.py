@@ -28,11 +28,9 @@ __all__ = [
     "BLEND",
     "MIN_WEIGHT",
     "POSITION_BITS",
-    "Scout",
     "TextureCosts",
     "estimated_cost",
     "of_pixels",
-    "searched_cost",
     "seed_superblocks",
     "seed_weights",
     "smoothed",
@@ -59,21 +57,6 @@ CALM_BITS = 8.0
 """Added to the bits of seeds and to those that they save in each superblock; where texture alone saves fewer, seeds
 count in full: there is nothing to share.
 """
-
-
-@dataclass(frozen=True)
-class Scout:
-    """What a short fit found. residual [C, H, W]: what it leaves; bits: of a seed, its position included."""
-
-    residual: F32
-    layout: SeedLayout
-    bits: float
-
-    def superblock_bits(self, shape: tuple[int, int]) -> F64:
-        """Bits of the seeds in each superblock of the texture layer [rows, columns]."""
-        bits = np.zeros(shape)
-        np.add.at(bits.reshape(-1), seed_superblocks(self.layout, shape), self.bits)
-        return bits
 
 
 def seed_superblocks(layout: SeedLayout, shape: tuple[int, int]) -> NDArray[np.int64]:
@@ -104,7 +87,9 @@ class TextureCosts:
 
     def over(self, residual: F32) -> F64:
         """As the search finds it, over what seeds leave [C, H, W]."""
-        return searched_cost(residual, self.steps, TUNINGS["psnr"].squared_steps, self.device)
+        search = TextureSearch(residual, self.device, NO_SPLIT_SEARCH)
+        costs = search.costs(self.steps, TUNINGS["psnr"].squared_steps)
+        return np.asarray(costs * np.square(self.steps.of_channels[0]), np.float64)
 
     def estimated_over(self, residual: F32) -> F64:
         """As it is estimated, in a tenth of the time."""
@@ -124,11 +109,12 @@ def seed_weights(spec: ModelSpec, fit: FitSettings, costs: TextureCosts, family:
     fit = replace(fit, lmbda=SCOUT_SHARE * lmbda)
     device, busy = costs.device, int(exact and costs.device.cores > 1)
     with _searched_meanwhile(costs) if busy else nullcontext():
-        scout = _scout(spec, fit, target, family, device.with_threads(device.cores - busy))
+        residual, layout, bits = _scout(spec, fit, target, family, device.with_threads(device.cores - busy))
         alone, nothing = estimated_cost(target, lmbda)
-        left = costs.over(scout.residual) if exact else costs.estimated_over(scout.residual)
+        left = costs.over(residual) if exact else costs.estimated_over(residual)
     full, alone = (FULL, costs.without_seeds) if exact else (FULL_ESTIMATED, alone)
-    price, calm = lmbda * scout.superblock_bits(left.shape), lmbda * CALM_BITS
+    spent = np.bincount(seed_superblocks(layout, left.shape), weights=np.full(len(layout), bits), minlength=left.size)
+    price, calm = lmbda * np.asarray(spent, np.float64).reshape(left.shape), lmbda * CALM_BITS
     weights = superblock_weights(np.where(nothing - alone < calm, price, alone - left), price, calm, full)
     return None if weights.min() > _ALL else of_pixels(weights, target.shape[1:])
 
@@ -163,12 +149,6 @@ def smoothed(plane: F64, sigma: float) -> F64:
         padded, size = np.pad(plane, width, mode="symmetric"), plane.shape[axis]
         plane = sum(k * np.take(padded, range(i, i + size), axis) for i, k in enumerate(kernel))  # type: ignore[assignment]
     return plane
-
-
-def searched_cost(residual: F32, steps: TextureSteps, squared_steps: float, device: Device) -> F64:
-    """What texture in these steps costs over each superblock [rows, columns], squared error plus λ times bits."""
-    costs = TextureSearch(residual, device, NO_SPLIT_SEARCH).costs(steps, squared_steps)
-    return np.asarray(costs * np.square(steps.of_channels[0]), np.float64)
 
 
 def estimated_cost(residual: F32, lmbda: float) -> tuple[F64, F64]:
@@ -211,7 +191,10 @@ def of_pixels(weights: F64, shape: tuple[int, ...]) -> F32:
     return np.ascontiguousarray(weights, np.float32)
 
 
-def _scout(spec: ModelSpec, fit: FitSettings, target: F32, family: int, device: Device) -> Scout:
+def _scout(
+    spec: ModelSpec, fit: FitSettings, target: F32, family: int, device: Device
+) -> tuple[F32, SeedLayout, float]:
+    """What a short fit leaves [C, H, W], where its seeds are, and the bits of a seed, its position included."""
     from sgicodec.bitstream.parts.prior import load_prior
     from sgicodec.fit.trainer import Trainer
 
@@ -222,7 +205,7 @@ def _scout(spec: ModelSpec, fit: FitSettings, target: F32, family: int, device: 
     trainer.run()
     rendered = trainer.raster.forward(*trainer.seeds.gaussians(), target.shape[2], target.shape[1])
     bits = float(trainer.seed_bits().mean()) + POSITION_BITS
-    return Scout(target - rendered, trainer.seeds.layout, bits)
+    return target - rendered, trainer.seeds.layout, bits
 
 
 _ESTIMATED_STEPS = 0.11

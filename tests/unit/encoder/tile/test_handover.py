@@ -9,15 +9,14 @@ import pytest
 from half_texture import half_texture
 
 from sgicodec.bitstream.parts.prior import load_prior
-from sgicodec.device import ALL_CORES, Device
+from sgicodec.device import Device
 from sgicodec.encoder.plan import Shape, stream_plan
 from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.encoder.tile import stages
 from sgicodec.encoder.tile.handover import HANDOVER, Handover
-from sgicodec.encoder.tile.sharing import MIN_WEIGHT, POSITION_BITS, searched_cost
+from sgicodec.encoder.tile.sharing import MIN_WEIGHT, POSITION_BITS, TextureCosts
 from sgicodec.encoder.tile.stages import encode, fit, prepare, share
 from sgicodec.encoder.tile.state import Prepared, tile_of
-from sgicodec.encoder.tile.texture_steps import TUNINGS
 from sgicodec.encoder.tile.writing import write
 from sgicodec.fit.trainer import Trainer
 from sgicodec.picture import Picture
@@ -55,8 +54,7 @@ def cost(part: Prepared, trainer: Trainer, kept: np.ndarray) -> float:
     """Squared error plus λ times bits of these seeds with texture."""
     gaussians = [part[kept] for part in trainer.seeds.gaussians()]
     residual = part.target - trainer.raster.forward(*gaussians, WIDTH, HEIGHT)
-    steps = TUNINGS["psnr"].steps(TUNINGS["psnr"].step(LMBDA), 3)
-    texture = searched_cost(residual, steps, TUNINGS["psnr"].squared_steps, ALL_CORES).sum()
+    texture = TextureCosts(residual, LMBDA).over(residual).sum()
     return float(texture + LMBDA * (trainer.gradient_step.seed_bits()[kept] + POSITION_BITS).sum())
 
 

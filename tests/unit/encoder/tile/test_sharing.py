@@ -8,21 +8,19 @@ import numpy as np
 import pytest
 from half_texture import half_texture
 
-from sgicodec.device import ALL_CORES
 from sgicodec.encoder.effort import UNSCOUTED_PRICE
 from sgicodec.encoder.plan import Shape, stream_plan
 from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.encoder.tile.sharing import (
     FULL,
     MIN_WEIGHT,
+    TextureCosts,
     estimated_cost,
-    searched_cost,
     smoothed,
     superblock_weights,
 )
 from sgicodec.encoder.tile.stages import encode, prepare, share
 from sgicodec.encoder.tile.state import Prepared, tile_of
-from sgicodec.encoder.tile.texture_steps import TUNINGS
 from sgicodec.encoder.tile.writing import write
 from sgicodec.picture import Picture
 
@@ -63,9 +61,8 @@ def test_the_estimate_follows_the_search(channels: int) -> None:
     rng = np.random.default_rng(8)
     contrast = np.repeat(np.repeat(rng.uniform(0.005, 0.2, (3, 5)), 32, axis=0), 32, axis=1)
     residual = (contrast * rng.normal(size=(channels, 96, 160))).astype(np.float32)
-    steps = TUNINGS["psnr"].steps(TUNINGS["psnr"].step(LMBDA), channels)
     estimated, nothing = estimated_cost(residual, LMBDA)
-    searched = searched_cost(residual, steps, TUNINGS["psnr"].squared_steps, ALL_CORES)
+    searched = TextureCosts(residual, LMBDA).over(residual)
     assert np.all(estimated <= nothing * (1 + 1e-6))
     assert np.corrcoef(np.log(estimated).ravel(), np.log(searched).ravel())[0, 1] > 0.95
     assert 0.5 < np.median(estimated / searched) < 1.2
