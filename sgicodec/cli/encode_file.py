@@ -140,7 +140,7 @@ def encode_file(origin: str, target: str, options: EncodeOptions, started: float
     if not options.quiet or options.as_json:
         report = Report.of(listener.plan, encoded, options.device_name)
         seconds, own = time.monotonic() - started, own_peak()
-        workers = executor.peaks.bytes if isinstance(executor, ProcessExecutor | GpuExecutor) else 0
+        workers = executor.peaks.bytes if isinstance(executor, ProcessExecutor) else 0
         peak = None if own is None else (own + workers) / MIB
         print_report(report, origin, target, seconds, peak, options.as_json, options.verbose)
     if missed is not None:

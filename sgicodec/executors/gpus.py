@@ -3,26 +3,20 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
-from typing import TypeVar
 
 from sgicodec.device import Device
 from sgicodec.errors import NoDeviceError, UsageError
-from sgicodec.executors.local import LocalExecutor
 from sgicodec.executors.peak import Peaks
-from sgicodec.executors.processes import process_pool
+from sgicodec.executors.processes import ProcessExecutor
 
 __all__ = ["GpuExecutor"]
-
-Job = TypeVar("Job")
-Result = TypeVar("Result")
 
 _VISIBLE = "CUDA_VISIBLE_DEVICES"
 """Names the GPUs that NVIDIA's driver shows to a process; there they are numbered from 0."""
 
 
-class GpuExecutor(LocalExecutor):
+class GpuExecutor(ProcessExecutor):
     """An `Executor` with a process of this machine for each of several GPUs, which sees that one alone. Tiles within a
     process are done in threads, whose steps share the GPU as with `ThreadExecutor`.
 
@@ -40,8 +34,9 @@ class GpuExecutor(LocalExecutor):
     ) -> None:
         if not isinstance(gpus, int) or gpus < 1:
             raise UsageError(f"gpus {gpus!r}; 1 or more")
-        super().__init__(workers, (os.cpu_count() or 1) + gpus, max_memory)
-        self._gpus, self._first, self.peaks = min(gpus, self.workers), first, peaks or Peaks()
+        super().__init__(workers, max_memory, peaks)
+        self.workers += 0 if workers else gpus
+        self._gpus, self._first = min(gpus, self.workers), first
         self._threads = self.workers // self._gpus
         self.workers = self._gpus * self._threads
 
@@ -53,19 +48,8 @@ class GpuExecutor(LocalExecutor):
         own = super().device(whole, jobs)
         return own if own.gpu is None else replace(own, gpu=0, gpus=1)
 
-    def run(
-        self,
-        task: Callable[[int, Job], Result],
-        numbers: Iterable[int],
-        job_of: Callable[[int], Job],
-    ) -> Iterator[tuple[int, Result]]:
-        """As in `Executor`. `task`, jobs and results are pickled."""
-        numbers = list(numbers)
-        count = min(self._gpus, len(numbers))
-        environments = [{_VISIBLE: _name_of(self._first + gpu)} for gpu in range(count)]
-        self.peaks.begin()
-        with process_pool(task, count, self.peaks, self._threads, environments) as pool:
-            yield from pool.run(numbers, job_of)
+    def _environments(self, jobs: int) -> list[dict[str, str]]:
+        return [{_VISIBLE: _name_of(self._first + gpu)} for gpu in range(min(self._gpus, jobs))]
 
 
 def _name_of(gpu: int) -> str:

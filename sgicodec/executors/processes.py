@@ -6,7 +6,7 @@ import contextlib
 import os
 import signal
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from threading import Lock
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from multiprocessing.connection import Connection
     from multiprocessing.process import BaseProcess
 
-__all__ = ["ProcessExecutor", "process_pool"]
+__all__ = ["ProcessExecutor"]
 
 Job = TypeVar("Job")
 Result = TypeVar("Result")
@@ -31,6 +31,9 @@ class ProcessExecutor(LocalExecutor):
 
     workers: at most; 0 for one per core. peaks: where they tell what they took.
     """
+
+    _threads = 1
+    """Jobs that each process does at once."""
 
     def __init__(self, workers: int = 0, max_memory: float | None = None, peaks: Peaks | None = None) -> None:
         super().__init__(workers, os.cpu_count() or 1, max_memory)
@@ -48,8 +51,13 @@ class ProcessExecutor(LocalExecutor):
         """As in `Executor`. `task`, jobs and results are pickled."""
         numbers = list(numbers)
         self.peaks.begin()
-        with process_pool(task, min(self.workers, len(numbers)), self.peaks) as pool:
+        pool = _Pool(task, self._environments(len(numbers)), self.peaks, self._threads)
+        with contextlib.closing(pool):
             yield from pool.run(numbers, job_of)
+
+    def _environments(self, jobs: int) -> list[dict[str, str]]:
+        """What each process for so many jobs has in its environment besides."""
+        return [{}] * min(self.workers, jobs)
 
 
 @dataclass
@@ -66,21 +74,19 @@ class _Pool(Generic[Job, Result]):
     def __init__(
         self,
         task: Callable[[int, Job], Result],
-        count: int,
+        environments: list[dict[str, str]],
         peaks: Peaks,
         threads: int,
-        environments: Sequence[Mapping[str, str]],
     ) -> None:
         from multiprocessing import get_context
 
         self._task, self._context = task, get_context("spawn")
         self._peaks, self._threads, self._environments = peaks, threads, environments
-        self._workers = [self._start(number) for number in range(count)]
+        self._workers = [self._start(number) for number in range(len(environments))]
 
     def _start(self, number: int) -> _Worker:
         here, there = self._context.Pipe()
-        environment = self._environments[number] if self._environments else {}
-        given = there, self._task, self._threads, environment
+        given = there, self._task, self._threads, self._environments[number]
         process = self._context.Process(target=_work, args=given, daemon=True)
         process.start()
         there.close()
@@ -137,7 +143,7 @@ class _Pool(Generic[Job, Result]):
         worker.tiles.remove(number)
         return [(number, outcome)]
 
-    def stop(self) -> None:
+    def close(self) -> None:
         """Ends all processes, whatever they are doing."""
         for worker in self._workers:
             worker.process.terminate()
@@ -146,27 +152,11 @@ class _Pool(Generic[Job, Result]):
             worker.pipe.close()
 
 
-@contextlib.contextmanager
-def process_pool(
-    task: Callable[[int, Job], Result],
-    count: int,
-    peaks: Peaks,
-    threads: int = 1,
-    environments: Sequence[Mapping[str, str]] = (),
-) -> Iterator[_Pool[Job, Result]]:
-    """As many processes, each of which does `threads` jobs at once, with variables added to its environment."""
-    pool = _Pool(task, count, peaks, threads, environments)
-    try:
-        yield pool
-    finally:
-        pool.stop()
-
-
 def _work(
     pipe: Connection,
     task: Callable[[int, Any], Any],
     threads: int,
-    environment: Mapping[str, str],
+    environment: dict[str, str],
 ) -> None:
     """The life of a worker. It leaves Ctrl-C to the process that started it, whose end ends it too."""
     from sgicodec._native import keep_freed_memory
