@@ -13,7 +13,7 @@ import pytest
 from sgicodec import EncodeSettings, encode_picture, open_source, read
 from sgicodec.decoder.stream import open_stream
 from sgicodec.encoder.progress import NullListener, PassState
-from sgicodec.encoder.tiles.store import MemoryStore
+from sgicodec.encoder.tiles.store import Store
 from sgicodec.errors import UsageError
 from sgicodec.executors.executor import MIB, Executor, Memory
 from sgicodec.executors.processes import ProcessExecutor
@@ -93,7 +93,7 @@ class Watch(NullListener):
 
 
 def test_going_on_gives_the_same_bytes(photo: Path, settings: EncodeSettings, expected: bytes) -> None:
-    store, target, watch = MemoryStore(), io.BytesIO(), Watch()
+    store, target, watch = Store(), io.BytesIO(), Watch()
     with open_source(photo) as source:
         with pytest.raises(KeyboardInterrupt):
             encode_picture(source, settings, output=target, store=store, progress=Watch(stop=3))
