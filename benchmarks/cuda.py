@@ -48,7 +48,7 @@ from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.encoder.tile.stages import fit, prepare, share
 from sgicodec.encoder.tile.state import tile_of
 from sgicodec.errors import MissingExtraError, TargetMissedError
-from sgicodec.executors.serial import SerialExecutor
+from sgicodec.executors.executor import Executor
 from sgicodec.executors.threads import ThreadExecutor
 from sgicodec.fit.trainer import Progress
 from sgicodec.picture import Picture
@@ -82,7 +82,7 @@ def print_tiles(device: Device, picture: Picture, steps: int) -> None:
     """Seconds of an encode in tiles, one tile at a time and several in threads, whose bytes must be the same."""
     settings = EncodeSettings(steps=steps, tile=TILE)
     streams = set()
-    for executor in (SerialExecutor(), ThreadExecutor(2), ThreadExecutor(device.cores + 1)):
+    for executor in (Executor(), ThreadExecutor(2), ThreadExecutor(device.cores + 1)):
         started = time.monotonic()
         streams.add(encode_picture(picture, settings, executor=executor, device=device).data)
         seconds = time.monotonic() - started

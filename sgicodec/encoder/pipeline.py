@@ -26,7 +26,7 @@ from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.encoder.tiles.checkpoint import fingerprint
 from sgicodec.encoder.tiles.passes import Finished, TilePasses
 from sgicodec.encoder.tiles.runner import TileRunner, one_blas_thread, within_memory
-from sgicodec.encoder.tiles.store import MemoryStore, Store
+from sgicodec.encoder.tiles.store import Store
 from sgicodec.encoder.tiles.tasks import FitTask
 from sgicodec.errors import TargetMissedError, UsageError
 from sgicodec.executors.executor import Executor
@@ -197,7 +197,7 @@ def _encoded(request: _Request, executor: Executor | None = None, store: Store |
     listener.planned(plan, executor.workers, memory)
     listener.stage("load")
     runner = TileRunner(windows, plan, executor, request.device)
-    tiles = store if store is not None and plan.header.tile else MemoryStore()  # one tile cannot be resumed
+    tiles = store if store is not None and plan.header.tile else Store()  # one tile cannot be resumed
 
     with one_blas_thread(), tiles.opened(lambda: fingerprint(plan, windows.digest())):
         task = FitTask(plan) if plan.header.tile else FitTask(plan, listener)

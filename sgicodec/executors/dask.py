@@ -11,7 +11,7 @@ from typing import Any, TypeVar
 from sgicodec.cuda.choice import NamedDevice, check_name
 from sgicodec.device import Device
 from sgicodec.errors import MissingExtraError, NoDeviceError, UsageError, require
-from sgicodec.executors.executor import Failure, Memory, Tries
+from sgicodec.executors.executor import Executor, Failure, Tries
 
 __all__ = ["Cluster", "open_cluster"]
 
@@ -22,9 +22,10 @@ _AHEAD = 2
 """Tiles that are on their way for each thread of the cluster: pixels that wait take memory."""
 
 
-class Cluster:
-    """An `Executor` on an open cluster. place: path or URL where its workers read the picture; None to send pixels.
-    device: the name of what computes, which each worker finds at its own machine; None for what the encode is given.
+class Cluster(Executor):
+    """An `Executor` on an open cluster, which knows what memory its workers have. place: path or URL where they read
+    the picture; None to send pixels. device: the name of what computes, which each worker finds at its own machine;
+    None for what the encode is given.
     """
 
     def __init__(self, client: Any, place: str | None, device: str | None = None) -> None:
@@ -34,10 +35,6 @@ class Cluster:
     def workers(self) -> int:
         """How many tiles it takes at once."""
         return max(1, int(sum(self._client.nthreads().values())))
-
-    def within(self, memory: Memory, jobs: int) -> Cluster:
-        """As it is: what its workers have is the cluster's to say."""
-        return self
 
     def device(self, whole: Device, jobs: int) -> Device | NamedDevice:
         """As many threads for each job as were asked for, one where none were: a worker runs several jobs at once."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
-from typing import Protocol, TypeVar
+from typing import TypeVar
 
 from sgicodec.cuda.choice import NamedDevice
 from sgicodec.device import Device
@@ -37,36 +37,6 @@ class Memory:
         return self.main + workers * self.worker - (self.shared if workers == 1 else 0)
 
 
-class Executor(Protocol):
-    """Runs a task on the tiles of a picture."""
-
-    @property
-    def workers(self) -> int:
-        """How many jobs run at once."""
-
-    @property
-    def place(self) -> str | None:
-        """Path or URL at which workers read the picture themselves; None if they are sent their pixels."""
-
-    def within(self, memory: Memory, jobs: int) -> Executor:
-        """The same for n jobs: with no more workers than there are jobs, or than its memory limit allows."""
-
-    def device(self, whole: Device, jobs: int) -> Device | NamedDevice:
-        """What computes each of n jobs, if `whole` computes all of them; asked where a job is done."""
-
-    def run(
-        self,
-        task: Callable[[int, Job], Result],
-        numbers: Iterable[int],
-        job_of: Callable[[int], Job],
-    ) -> Iterator[tuple[int, Result]]:
-        """Results of task(number, job_of(number)) as they come, in any order.
-
-        `job_of` runs in this process, at the moment when a worker can begin, so that few jobs are in memory at once.
-        Raises TileFailedError for a job that failed twice, or once for what is the input's.
-        """
-
-
 @dataclass(frozen=True)
 class Failure:
     """What became of a job that raised. final: another try would end the same way."""
@@ -91,3 +61,47 @@ class Tries:
         self._failed[number] += 1
         if failure.final or self._failed[number] == _TRIES:
             raise TileFailedError(number, failure.message) from cause
+
+
+class Executor:
+    """Runs a task on the tiles of a picture: one after the other in this process. Others extend it.
+
+    place: path or URL at which workers read the picture themselves; None if they are sent their pixels.
+    """
+
+    place: str | None = None
+
+    @property
+    def workers(self) -> int:
+        """How many jobs run at once."""
+        return 1
+
+    def within(self, memory: Memory, jobs: int) -> Executor:
+        """The same for n jobs: with no more workers than there are jobs, or than its memory limit allows."""
+        return self
+
+    def device(self, whole: Device, jobs: int) -> Device | NamedDevice:
+        """What computes each of n jobs, if `whole` computes all of them; asked where a job is done."""
+        return whole
+
+    def run(
+        self,
+        task: Callable[[int, Job], Result],
+        numbers: Iterable[int],
+        job_of: Callable[[int], Job],
+    ) -> Iterator[tuple[int, Result]]:
+        """Results of task(number, job_of(number)) as they come, in any order.
+
+        `job_of` runs in this process, at the moment when a worker can begin, so that few jobs are in memory at once.
+        Raises TileFailedError for a job that failed twice, or once for what is the input's.
+        """
+        tries = Tries()
+        for number in numbers:
+            while True:
+                try:
+                    result = task(number, job_of(number))
+                except Exception as error:
+                    tries.failed(number, Failure.of(error), error)
+                else:
+                    yield number, result
+                    break

@@ -9,18 +9,17 @@ from sgicodec.device import Device
 from sgicodec.errors import UsageError
 from sgicodec.executors.available import group_memory, machine_memory
 from sgicodec.executors.executor import MIB, Executor, Memory
-from sgicodec.executors.serial import SerialExecutor
 
 __all__ = ["LocalExecutor"]
 
 
-class LocalExecutor(ABC):
+class LocalExecutor(Executor, ABC):
     """An `Executor` with workers of this machine, started for each run.
 
     workers: at most; 0 for `default`. max_memory: bytes that they may take together at their peak.
     """
 
-    place = None
+    workers = 1
 
     def __init__(self, workers: int, default: int, max_memory: float | None) -> None:
         if not isinstance(workers, int) or workers < 0:
@@ -41,7 +40,7 @@ class LocalExecutor(ABC):
                 f"one worker takes about {needed} MiB, more than --max-memory; a smaller --tile takes less"
             )
         count = max(fitting, default=1)
-        return SerialExecutor() if count == 1 else self._with(count)
+        return Executor() if count == 1 else self._with(count)
 
     @abstractmethod
     def _with(self, workers: int) -> Executor:

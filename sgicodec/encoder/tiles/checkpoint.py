@@ -9,18 +9,16 @@ from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager
 from dataclasses import asdict, replace
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 from sgicodec.bitstream.header import encode_header
 from sgicodec.encoder.plan import Plan
 from sgicodec.encoder.tile.writing import EncodedTile
-from sgicodec.encoder.tiles.store import Version
+from sgicodec.encoder.tiles.store import Store, Value, Version
 from sgicodec.errors import OutputExistsError, StreamError, UsageError
 from sgicodec.files.lock import locked
 
 __all__ = ["Checkpoint", "fingerprint"]
-
-Value = TypeVar("Value", bytes, float)
 
 _TABLES = """
 PRAGMA locking_mode = EXCLUSIVE;
@@ -42,19 +40,18 @@ def fingerprint(plan: Plan, picture: bytes) -> bytes:
     return hashlib.sha256(encode_header(plan.header) + settings + picture).digest()
 
 
-class Checkpoint:
+class Checkpoint(Store):
     """A `Store` in the file at `path`: gone after a success, there to resume from after an exception or a kill.
 
-    resume: whether to go on with a file that is there; force: whether to start over instead. tiles: those that are
-    finished, without their payloads. is_open: whether the encode came as far as to open it.
+    resume: whether to go on with a file that is there; force: whether to start over instead. tiles have no payloads.
+    is_open: whether the encode came as far as to open it.
     """
 
     def __init__(self, path: str | Path, resume: bool = False, force: bool = False) -> None:
         if not isinstance(path, str | Path):
             raise UsageError(f"a {type(path).__name__} is no path")
+        super().__init__()
         self.path, self._resume, self._force = Path(path), resume, force
-        self.tiles: dict[Version, EncodedTile] = {}
-        self._values: dict[str, bytes | float] = {}
         self.is_open = False
 
     @contextmanager

@@ -23,7 +23,6 @@ from sgicodec.encoder.plan import Plan
 from sgicodec.encoder.tiles.tasks import Task
 from sgicodec.errors import PictureError
 from sgicodec.executors.executor import MIB, Executor, Memory
-from sgicodec.executors.serial import SerialExecutor
 from sgicodec.image.opened import Alpha
 from sgicodec.image.source import Source, open_source
 from sgicodec.image.used_range import SampleUse
@@ -139,7 +138,7 @@ def within_memory(windows: Windows, plan: Plan, executor: Executor | None) -> tu
     """
     grid = plan.header.grid
     memory = _estimate(plan, windows.memory(*grid.rect(0)[2:]))
-    return (executor or SerialExecutor()).within(memory, grid.count), memory
+    return (executor or Executor()).within(memory, grid.count), memory
 
 
 def _estimate(plan: Plan, reading: int) -> Memory:

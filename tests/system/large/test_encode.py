@@ -13,11 +13,10 @@ import pytest
 from sgicodec import EncodeSettings, encode_picture, open_source, read
 from sgicodec.decoder.stream import open_stream
 from sgicodec.encoder.progress import NullListener, PassState
-from sgicodec.encoder.tiles.store import MemoryStore
+from sgicodec.encoder.tiles.store import Store
 from sgicodec.errors import UsageError
 from sgicodec.executors.executor import MIB, Executor, Memory
 from sgicodec.executors.processes import ProcessExecutor
-from sgicodec.executors.serial import SerialExecutor
 from sgicodec.metrics.psnr import psnr
 
 
@@ -27,14 +26,14 @@ def expected(photo: Path, settings: EncodeSettings) -> bytes:
     return encode_picture(read(photo), settings).data
 
 
-class Backwards(SerialExecutor):
+class Backwards(Executor):
     """Takes the tiles in the opposite order."""
 
     def run(self, task: Any, numbers: Iterable[int], job_of: Any) -> Iterator[tuple[int, Any]]:
         return super().run(task, sorted(numbers, reverse=True), job_of)
 
 
-@pytest.mark.parametrize("executor", [SerialExecutor(), Backwards(), ProcessExecutor(2)], ids=type)
+@pytest.mark.parametrize("executor", [Executor(), Backwards(), ProcessExecutor(2)], ids=type)
 def test_same_bytes_for_any_executor(
     photo: Path, settings: EncodeSettings, expected: bytes, executor: Executor
 ) -> None:
@@ -93,7 +92,7 @@ class Watch(NullListener):
 
 
 def test_going_on_gives_the_same_bytes(photo: Path, settings: EncodeSettings, expected: bytes) -> None:
-    store, target, watch = MemoryStore(), io.BytesIO(), Watch()
+    store, target, watch = Store(), io.BytesIO(), Watch()
     with open_source(photo) as source:
         with pytest.raises(KeyboardInterrupt):
             encode_picture(source, settings, output=target, store=store, progress=Watch(stop=3))
@@ -110,6 +109,6 @@ def test_workers_that_fit() -> None:
     found = Memory(main=100 * MIB, worker=400 * MIB)
     assert ProcessExecutor(8, 1000 * MIB).within(found, 5).workers == 2
     assert ProcessExecutor(8).within(found, 5).workers == 5
-    assert isinstance(ProcessExecutor(8).within(found, 1), SerialExecutor)
+    assert type(ProcessExecutor(8).within(found, 1)) is Executor
     with pytest.raises(UsageError, match="about 500 MiB"):
         ProcessExecutor(8, 499 * MIB).within(found, 5)

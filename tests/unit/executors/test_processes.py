@@ -11,7 +11,6 @@ import pytest
 from sgicodec.errors import PictureError, TileFailedError
 from sgicodec.executors.executor import Executor
 from sgicodec.executors.processes import ProcessExecutor
-from sgicodec.executors.serial import SerialExecutor
 
 
 def square(number: int, job: int) -> int:
@@ -50,7 +49,7 @@ def refuses(folder: Path, number: int, job: int) -> int:
 def test_all_results_come_in_some_order() -> None:
     found = dict(ProcessExecutor(2).run(square, range(7), lambda number: number + 10))
     assert found == {number: (number + 10) ** 2 for number in range(7)}
-    assert dict(SerialExecutor().run(square, range(3), lambda number: number)) == {0: 0, 1: 1, 2: 4}
+    assert dict(Executor().run(square, range(3), lambda number: number)) == {0: 0, 1: 1, 2: 4}
 
 
 def test_a_process_that_dies_is_survived(tmp_path: Path) -> None:
@@ -65,7 +64,7 @@ def test_a_tile_that_fails_twice_is_named() -> None:
     assert caught.value.tile == 1
 
 
-@pytest.mark.parametrize("executor", [SerialExecutor(), ProcessExecutor(2)], ids=["serial", "processes"])
+@pytest.mark.parametrize("executor", [Executor(), ProcessExecutor(2)], ids=["serial", "processes"])
 def test_an_error_gets_a_second_try(tmp_path: Path, executor: Executor) -> None:
     task = partial(fails_once, tmp_path)
     assert dict(executor.run(task, range(4), lambda number: number)) == {n: n for n in range(4)}
@@ -74,5 +73,5 @@ def test_an_error_gets_a_second_try(tmp_path: Path, executor: Executor) -> None:
 
 def test_the_input_is_to_blame_at_once(tmp_path: Path) -> None:
     with pytest.raises(TileFailedError, match="tile 0: no such picture"):
-        list(SerialExecutor().run(partial(refuses, tmp_path), range(2), lambda number: number))
+        list(Executor().run(partial(refuses, tmp_path), range(2), lambda number: number))
     assert (tmp_path / "tries").read_text() == "x"
