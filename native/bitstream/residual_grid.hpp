@@ -9,7 +9,7 @@
 
 namespace sgi {
 
-constexpr int32_t kMaxColours = 256;                // of a palette
+constexpr int32_t kMaxColours = 256;              // of a palette
 constexpr int32_t kMaxGridSteps = (1 << 22) - 1;  // so that sums of errors in sixteenths fit in 32 bits
 
 // Values 0 ... `most` of a channel stand for samples base + step * value.
@@ -25,7 +25,8 @@ struct ResidualForm {
   bool has_bits;     // whether floats come back bit by bit, not only their values on the grid
   bool has_views;    // whether views at other scales and in other types are made from these samples
   std::vector<ResidualGrid> grids;
-  std::vector<int32_t> palette;  // [colours, channels] values of all that a pixel may be; empty where that is not stated
+  std::vector<int32_t>
+      palette;  // [colours, channels] values of all that a pixel may be; empty where that is not stated
 
   int32_t colours() const { return int32_t(palette.size() / grids.size()); }
 };
