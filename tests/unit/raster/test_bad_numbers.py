@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from examples import examples
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from scenes import ISAS, random_scene
 
@@ -50,6 +50,7 @@ number = st.one_of(st.sampled_from(BAD), st.floats(width=32), st.floats(-50, 50,
     st.sampled_from(ISAS),
     st.sampled_from([(0, 0), (2**30 - 20, 1 - 2**30), (-7, 1000)]),
 )
+@example([(1.0, 1e-45, 1e-45, 1e-45, 1.0)], "portable", (0, 0))
 def test_any_numbers_end_in_finite_images_and_gradients(
     rows: list[tuple[float, ...]], isa: str, origin: tuple[int, int]
 ) -> None:
