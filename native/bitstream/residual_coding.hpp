@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
+#include <optional>
 #include <vector>
 
 #include "bitstream/pixel_repeats.hpp"
@@ -30,8 +31,10 @@ struct ResidualShape {
 template <class Bits>
 class ResidualCoding {
  public:
-  ResidualCoding(const ResidualShape &shape, const PredictorKernel &kernel, Bits &bits)
-      : shape_(shape), bits_(bits), repeats_(shape.width, shape.height, bits) {
+  ResidualCoding(const ResidualShape &shape, const PredictorKernel &kernel, Bits &bits) : shape_(shape), bits_(bits) {
+    const auto is_exact = [](const ResidualGrid &grid) { return !grid.max_error; };
+    if (std::all_of(shape.grids.begin(), shape.grids.end(), is_exact))
+      repeats_.emplace(shape.width, shape.height, bits);
     for (int k = 0; k < shape.channels(); ++k)
       channels_.emplace_back(shape, kernel, k, shape.grids[size_t(channel_at(k))]);
     for (int k = 0; k < std::min(shape.channels(), kGroups); ++k) models_.emplace_back(kModels, 2 * kSets);
@@ -160,11 +163,11 @@ class ResidualCoding {
     const int channels = shape_.channels();
     const size_t at = size_t(y * shape_.width + x) * size_t(channels);
     int64_t found = -1;
-    if (can_repeat_) {
+    if (repeats_) {
       const bool is_held = std::any_of(held + at, held + at + channels, [](uint8_t one) { return one; });
       if (is_held)
-        repeats_.skip(y, x);
-      else if (!repeats_.code(y, x, [&](int64_t number) { return repeats(values, at, number); }, found))
+        repeats_->skip(y, x);
+      else if (!repeats_->code(y, x, [&](int64_t number) { return repeats(values, at, number); }, found))
         return false;
     }
     if (found >= 0) {
@@ -179,7 +182,7 @@ class ResidualCoding {
           return false;
       }
     }
-    if (can_repeat_) repeats_.learn(y, x, colour_of(values + at));
+    if (repeats_) repeats_->learn(y, x, colour_of(values + at));
     return true;
   }
 
@@ -374,10 +377,8 @@ class ResidualCoding {
   const int32_t *drawn_ = nullptr;
   std::vector<Channel> channels_;
   std::vector<ResidualModels> models_;
-  PixelRepeats<Bits> repeats_;
-  const bool can_repeat_ =
-      std::all_of(shape_.grids.begin(), shape_.grids.end(), [](const ResidualGrid &grid) { return !grid.max_error; });
-  bool is_solved_ = false;  // whether weights are those of the segment
+  std::optional<PixelRepeats<Bits>> repeats_;  // none where a channel may be off
+  bool is_solved_ = false;                     // whether weights are those of the segment
 };
 
 }  // namespace sgi

@@ -38,6 +38,17 @@ bool is_sound(const ResidualGrid &grid, SampleType type) {
   return is_whole(grid.base) && is_whole(grid.step) && grid.base >= 0 && last <= largest_of(type);
 }
 
+void read_palette(Bytes start, size_t &at, ResidualForm &form) {
+  const int64_t count = decode_varint(start, at);
+  if (!count || count > kMaxColours || form.has_bits) corrupt("its palette has no sound size");
+  for (int64_t i = 0; i < count; ++i)
+    for (const ResidualGrid &grid : form.grids) {
+      const int64_t value = decode_varint(start, at);
+      if (value > grid.most || grid.max_error) corrupt("a colour of its palette is not on the grids");
+      form.palette.push_back(int32_t(value));
+    }
+}
+
 // Codes which colour of the palette each pixel has; what is drawn says nothing of that.
 template <class Bits>
 bool code_colours(const ResidualBlock &block, Isa isa, Bits &bits, float *samples) {
@@ -89,21 +100,6 @@ int64_t longest_residual_form(const Header &header) {
 int64_t longest_residual_table(const Header &header) {
   return longest_residual_form(header) + count_of(header) * int64_t(kMaxVarintBytes + kCrcBytes);
 }
-
-namespace {
-
-void read_palette(Bytes start, size_t &at, ResidualForm &form) {
-  const int64_t count = decode_varint(start, at);
-  if (!count || count > kMaxColours || form.has_bits) corrupt("its palette has no sound size");
-  for (int64_t i = 0; i < count; ++i)
-    for (const ResidualGrid &grid : form.grids) {
-      const int64_t value = decode_varint(start, at);
-      if (value > grid.most || grid.max_error) corrupt("a colour of its palette is not on the grids");
-      form.palette.push_back(int32_t(value));
-    }
-}
-
-}  // namespace
 
 ResidualForm read_residual_form(const Header &header, Bytes start, size_t &at) {
   ResidualForm form{read_real(start, at), false, false, std::vector<ResidualGrid>(size_t(header.spec.channels)), {}};

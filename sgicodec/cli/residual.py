@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -54,7 +53,7 @@ def refine(picture: str, source: str, target: str, max_error: float, threads: in
     with ExitStack() as stack:
         opened = stack.enter_context(open_to_encode(picture, lambda text: None))
         stack.enter_context(naming_stream(source))
-        stream = stack.enter_context(open_stream(_bytes_of(source), device))
+        stream = stack.enter_context(open_stream(Path(source), device))
         windows = windows_of(opened)
         if windows.shape.bands > stream.header.spec.channels:
             windows, _ = without_needless_alpha(windows, stream_plan(windows.shape, EncodeSettings()), NullListener())
@@ -76,7 +75,7 @@ def strip(source: str, target: str, force: bool, quiet: bool) -> None:
     from sgicodec.decoder.stream import open_stream
 
     check_output(target, source, force)
-    with naming_stream(source), open_stream(_bytes_of(source)) as stream:
+    with naming_stream(source), open_stream(Path(source)) as stream:
         check_below(stream)
     _rewritten(source, target, None, quiet)
 
@@ -87,17 +86,17 @@ def check_below(stream: Stream) -> None:
         raise UsageError("its residual layer shows every view; there is next to nothing below it")
 
 
-def _bytes_of(source: str) -> bytes:
-    with naming_stream(source):
-        return Path(source).read_bytes()
-
-
 def _rewritten(source: str, target: str, layer: bytes | None, quiet: bool) -> None:
     from sgicodec.bitstream.rewriting import rewrite_stream
     from sgicodec.files.whole import whole_file
 
-    with naming_stream(target), whole_file(Path(target)) as file:
-        size = rewrite_stream(io.BytesIO(_bytes_of(source)), file, layer)
+    with (
+        naming_stream(source),
+        Path(source).open("rb") as given,
+        naming_stream(target),
+        whole_file(Path(target)) as file,
+    ):
+        size = rewrite_stream(given, file, layer)
     if not quiet:
         of = "" if layer is None else f", of which {len(layer):,} are the residual layer"
         click.echo(f"{display(target)}: {size:,} bytes{of}")

@@ -47,12 +47,12 @@ def residual_form(
 ) -> bytes:
     """What a residual layer states of all its blocks, by the samples [h, w, C] of all windows of its picture."""
     is_float = header.sample_type == "float32"
-    channels = [(_Floats if is_float else _Integers)() for _ in range(header.spec.channels)]
+    channels: list[_Floats | _Integers] = [(_Floats if is_float else _Integers)() for _ in range(header.spec.channels)]
     alpha, repeats, palette = alpha_index(header.channels), Repeats(), _Palette()
     for pixels in windows:
-        repeats.see(pixels)
+        others = repeats.see(pixels)
         if exact_views and not is_float:
-            palette.see(pixels)
+            palette.see(pixels[others])
         for number, channel in enumerate(channels):
             samples = pixels[..., number].ravel()
             is_measured = np.isfinite(samples)
@@ -69,7 +69,7 @@ def residual_form(
     if has_bits:
         grids = [channel.exact_grid() for channel in channels]
     found = [grid for grid in grids if grid is not None]
-    has_palette = palette.is_small and not any(grid.max_error for grid in found)
+    has_palette = palette.is_small(repeats.pixels) and not any(grid.max_error for grid in found)
     head = struct.pack("<d", max_error) + encode_varint(has_bits + 2 * exact_views + 4 * has_palette)
     return head + b"".join(grid.encode() for grid in found) + (palette.encode(found) if has_palette else b"")
 
@@ -86,17 +86,20 @@ class Repeats:
     """How many pixels are as the one to their left."""
 
     def __init__(self) -> None:
-        self._alike = self._count = 0
+        self.pixels = self._others = 0
 
-    def see(self, pixels: NDArray[Any]) -> None:
-        """More pixels [h, w, C]."""
-        self._alike += int(np.count_nonzero((pixels[:, 1:] == pixels[:, :-1]).all(axis=2)))
-        self._count += pixels.shape[0] * pixels.shape[1]
+    def see(self, pixels: NDArray[Any]) -> NDArray[np.bool_]:
+        """More pixels [h, w, C]; gives which are not [h, w]."""
+        others = np.ones(pixels.shape[:2], np.bool_)
+        others[:, 1:] = (pixels[:, 1:] != pixels[:, :-1]).any(axis=2)
+        self.pixels += others.size
+        self._others += int(np.count_nonzero(others))
+        return others
 
     @property
     def are_usual(self) -> bool:
         """Whether more than half are, as in text, line art and screens."""
-        return 2 * self._alike > self._count
+        return 2 * self._others < self.pixels
 
 
 _PIXELS_OF_COLOUR = 1000
@@ -108,22 +111,17 @@ class _Palette:
 
     def __init__(self) -> None:
         self._colours: NDArray[Any] | None = None
-        self._pixels = 0
 
     def see(self, pixels: NDArray[Any]) -> None:
-        """More pixels [h, w, C]."""
-        self._pixels += pixels.shape[0] * pixels.shape[1]
+        """More pixels [n, C]."""
         if self._colours is None or len(self._colours) <= _native.MAX_PALETTE:
-            is_new = np.ones(pixels.shape[:2], np.bool_)
-            is_new[:, 1:] = (pixels[:, 1:] != pixels[:, :-1]).any(axis=2)
             known = [] if self._colours is None else [self._colours]
-            self._colours = np.unique(np.concatenate([*known, pixels[is_new]]), axis=0)
+            self._colours = np.unique(np.concatenate([*known, pixels]), axis=0)
 
-    @property
-    def is_small(self) -> bool:
-        """Whether all colours are known, and few."""
+    def is_small(self, pixels: int) -> bool:
+        """Whether all colours are known, and few for so many pixels."""
         count = _native.MAX_PALETTE + 1 if self._colours is None else len(self._colours)
-        return count <= min(_native.MAX_PALETTE, self._pixels // _PIXELS_OF_COLOUR)
+        return count <= min(_native.MAX_PALETTE, pixels // _PIXELS_OF_COLOUR)
 
     def encode(self, grids: list[_Grid]) -> bytes:
         """The number of colours, and their values, from the darkest on."""
@@ -152,14 +150,6 @@ class _Extent:
             self.low, self.high = (low, high) if self.is_empty else (min(self.low, low), max(self.high, high))
             self.is_empty = False
 
-    def exact_grid(self) -> _Grid:
-        """One with the samples on it, or near them."""
-        raise NotImplementedError
-
-    def grid(self, max_error: float, blank: float | None) -> _Grid | None:
-        """One from which no sample is off by more, none but by chance `blank`; None if there is no such."""
-        raise NotImplementedError
-
 
 class _Integers(_Extent):
     """Whole numbers, with the greatest number that divides what they differ by."""
@@ -175,7 +165,12 @@ class _Integers(_Extent):
                 off = np.abs(np.unique(some).astype(np.int64) - int(self.low))
                 self._divisor = int(np.gcd.reduce([self._divisor, *off]))
 
+    def exact_grid(self) -> _Grid:
+        """One with all samples on it."""
+        return self.grid(0, None)
+
     def grid(self, max_error: float, blank: float | None) -> _Grid:
+        """One from which no sample is off by more; what is coded by it tells `blank` from samples."""
         step = self._divisor or 1
         most = int(self.high - self.low) // step
         return _Grid(self.low, step, most, min(most, int(max_error // step)))
@@ -194,6 +189,7 @@ class _Floats(_Extent):
             self._scales = [scale for scale in self._scales if _are_whole(some, scale)]
 
     def exact_grid(self) -> _Grid:
+        """One with all samples on it, or near them."""
         reach = self.high - self.low
         scale = self._scale()
         if scale is not None:
@@ -201,6 +197,7 @@ class _Floats(_Extent):
         return _Grid(self.low, reach / _native.MAX_GRID_STEPS or 1.0, _native.MAX_GRID_STEPS if reach else 0)
 
     def grid(self, max_error: float, blank: float | None) -> _Grid | None:
+        """One from which no sample is off by more, and on which `blank` is not; None if there is no such."""
         rounded = float(np.spacing(np.float32(max(abs(self.low), abs(self.high)))))
         free, scale = 2 * (max_error - rounded), self._scale()
         if scale is not None and max_error >= rounded:

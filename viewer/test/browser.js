@@ -1,8 +1,12 @@
 /** Headless Chromium, and what tests ask of a page that shows the viewer. */
 
 import { existsSync } from "node:fs";
+import { join } from "node:path";
+import { after, before } from "node:test";
 import { chromium } from "playwright-core";
+import { GOLDEN, ROOT } from "./command.js";
 import { readPng, rgba } from "./png.js";
+import { serve } from "./server.js";
 
 const PLACES = [process.env.CHROMIUM, "/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"];
 export const CHROMIUM = PLACES.find((path) => path && existsSync(path));
@@ -11,6 +15,21 @@ const PATIENCE = 60_000;
 export function launch() {
   if (!CHROMIUM) throw new Error("the tests need Chromium (Debian: apt-get install chromium), or CHROMIUM=/path/to/it");
   return chromium.launch({ executablePath: CHROMIUM, args: ["--no-sandbox"] });
+}
+
+/** What the tests of a file have: a browser, and a server of golden streams, the package and test pages. */
+export function stand() {
+  const found = {};
+  before(async () => {
+    const pages = { "/files/": GOLDEN, "/src/": join(ROOT, "viewer/src"), "/": join(ROOT, "viewer/test/pages") };
+    found.server = await serve(pages);
+    found.browser = await launch();
+  });
+  after(async () => {
+    await found.browser?.close();
+    await found.server?.close();
+  });
+  return found;
 }
 
 /** A new page of 800×600 pixels. What it throws fails the test that asks `errors`. script: what runs before its own. */

@@ -4,32 +4,21 @@ import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { join } from "node:path";
 import { pathToFileURL } from "node:url";
-import { after, before, test } from "node:test";
+import { test } from "node:test";
 import { decode } from "../src/node.js";
-import { launch, pageOf } from "./browser.js";
-import { GOLDEN, ROOT, decoded } from "./command.js";
+import { pageOf, stand } from "./browser.js";
+import { GOLDEN, decoded } from "./command.js";
 import { farthest } from "./pixels.js";
 import { rgba } from "./png.js";
-import { serve } from "./server.js";
 
 const NAME = "rgb8-texture.sgi";
 const half = () => decoded(join(GOLDEN, NAME), "--scale", "1/2", "--no-dither");
 
-let browser, server;
-
-before(async () => {
-  server = await serve({ "/files/": GOLDEN, "/src/": join(ROOT, "viewer/src"), "/": join(ROOT, "viewer/test/pages") });
-  browser = await launch();
-});
-
-after(async () => {
-  await browser?.close();
-  await server?.close();
-});
+const site = stand();
 
 test("Node: a path, a URL, bytes", async () => {
   const path = join(GOLDEN, NAME);
-  for (const source of [path, pathToFileURL(path), `${server.address}/files/${NAME}`, readFileSync(path)]) {
+  for (const source of [path, pathToFileURL(path), `${site.server.address}/files/${NAME}`, readFileSync(path)]) {
     const { width, height, data } = await decode(source, { width: 96 });
     assert.deepEqual([width, height], [96, 64]);
     assert.ok(farthest(data, rgba(half())) <= 1);
@@ -40,7 +29,7 @@ test("Node: a path, a URL, bytes", async () => {
 
 for (const place of ["page", "worker"]) {
   test(`a ${place}: an ImageBitmap of a width`, async (context) => {
-    const page = await pageOf(browser, `${server.address}/blank.html`);
+    const page = await pageOf(site.browser, `${site.server.address}/blank.html`);
     context.after(() => page.context().close());
     const bitmap = page.evaluate(
       async ([name, isPage]) => {
@@ -77,7 +66,7 @@ test("a page with 24 pictures has as many workers as processors, at most four, a
     const wait = setTimeout;
     globalThis.setTimeout = (work, time, ...rest) => wait(work, time === 10_000 ? 200 : time, ...rest);
   }`;
-  const page = await pageOf(browser, `${server.address}/blank.html`, { script });
+  const page = await pageOf(site.browser, `${site.server.address}/blank.html`, { script });
   context.after(() => page.context().close());
   const [most, widths] = await page.evaluate(async (names) => {
     const { decode } = await import("/src/index.js");
@@ -94,7 +83,7 @@ test("a page with 24 pictures has as many workers as processors, at most four, a
 });
 
 test("a file that cannot be decoded: a sentence, and the others come", async (context) => {
-  const page = await pageOf(browser, `${server.address}/blank.html`);
+  const page = await pageOf(site.browser, `${site.server.address}/blank.html`);
   context.after(() => page.context().close());
   const found = await page.evaluate(async (names) => {
     const { decode } = await import("/src/index.js");
@@ -115,7 +104,7 @@ test("a worker that ends without a word: a sentence, and another one takes its p
       }
     };
   }`;
-  const page = await pageOf(browser, `${server.address}/blank.html`, { script });
+  const page = await pageOf(site.browser, `${site.server.address}/blank.html`, { script });
   context.after(() => page.context().close());
   const found = await page.evaluate(async (name) => {
     const { decode } = await import("/src/index.js");

@@ -2,26 +2,15 @@
 
 import assert from "node:assert/strict";
 import { join } from "node:path";
-import { after, before, test } from "node:test";
-import { launch, pageOf } from "./browser.js";
-import { GOLDEN, ROOT, decoded } from "./command.js";
+import { test } from "node:test";
+import { pageOf, stand } from "./browser.js";
+import { GOLDEN, decoded } from "./command.js";
 import { farthest } from "./pixels.js";
 import { readPng, rgba } from "./png.js";
-import { serve } from "./server.js";
 
 const STREAM = join(GOLDEN, "rgb8-texture.sgi");
 
-let browser, server;
-
-before(async () => {
-  server = await serve({ "/files/": GOLDEN, "/src/": join(ROOT, "viewer/src"), "/": join(ROOT, "viewer/test/pages") });
-  browser = await launch();
-});
-
-after(async () => {
-  await browser?.close();
-  await server?.close();
-});
+const site = stand();
 
 /** Asserts that an element of the page looks as `sgi decode` draws the picture. */
 async function looksLike(page, selector, ...options) {
@@ -35,7 +24,7 @@ const shows = (page, id, columns) =>
   page.waitForFunction(([name, count]) => document.getElementById(name).shadowRoot?.querySelector("canvas").width === count, [id, columns]);
 
 test("sgi-image: its own size, sizes, a page's style", async (context) => {
-  const page = await pageOf(browser, `${server.address}/images.html`);
+  const page = await pageOf(site.browser, `${site.server.address}/images.html`);
   context.after(() => page.context().close());
   await shows(page, "own", 192);
   await shows(page, "sized", 96);
@@ -54,13 +43,13 @@ test("sgi-image: its own size, sizes, a page's style", async (context) => {
 });
 
 test("sgi-image: decoded where it is nearly in view, another src, a failure", async (context) => {
-  const page = await pageOf(browser, `${server.address}/images.html`);
+  const page = await pageOf(site.browser, `${site.server.address}/images.html`);
   context.after(() => page.context().close());
   await shows(page, "own", 192);
-  assert.ok(!server.sent.has("/files/gray16.sgi"));
+  assert.ok(!site.server.sent.has("/files/gray16.sgi"));
   await page.evaluate(() => scrollTo(0, 5000));
   await page.waitForFunction(() => document.getElementById("below").shown);
-  assert.ok(server.sent.has("/files/gray16.sgi"));
+  assert.ok(site.server.sent.has("/files/gray16.sgi"));
   await page.evaluate(() => scrollTo(0, 0));
   await page.waitForFunction(() => !document.getElementById("absent").shadowRoot.querySelector("slot").hidden);
   assert.ok(await page.getByText("A picture that is not there").isVisible());
@@ -80,7 +69,7 @@ test("sgi-image: decoded where it is nearly in view, another src, a failure", as
 });
 
 test("img: the service worker answers with PNG, also what was asked for before it was there", async (context) => {
-  const page = await pageOf(browser, `${server.address}/blank.html`);
+  const page = await pageOf(site.browser, `${site.server.address}/blank.html`);
   context.after(() => page.context().close());
   await page.setContent('<style>img { display: block; }</style><img id="whole" src="/files/rgb8-texture.sgi"><img id="half" src="/files/rgb8-texture.sgi?width=96"><img id="absent" src="/files/absent.sgi">');
   await page.evaluate(async () => (await import("/src/index.js")).showImages("/service_worker.js"));

@@ -2,12 +2,11 @@
 
 import assert from "node:assert/strict";
 import { join } from "node:path";
-import { after, before, test } from "node:test";
-import { launch, pageOf } from "./browser.js";
-import { GOLDEN, ROOT, decoded } from "./command.js";
+import { test } from "node:test";
+import { pageOf, stand } from "./browser.js";
+import { GOLDEN, decoded } from "./command.js";
 import { farthest } from "./pixels.js";
 import { rgba } from "./png.js";
-import { serve } from "./server.js";
 
 const SCRIPT = `{
   globalThis.contexts = new Set();
@@ -18,20 +17,10 @@ const SCRIPT = `{
     return context;
   };
 }`;
-let browser, server;
-
-before(async () => {
-  server = await serve({ "/files/": GOLDEN, "/src/": join(ROOT, "viewer/src"), "/": join(ROOT, "viewer/test/pages") });
-  browser = await launch();
-});
-
-after(async () => {
-  await browser?.close();
-  await server?.close();
-});
+const site = stand();
 
 test("24 scenes drawn by the GPU: one context, no other canvas, and each shows its picture", async (context) => {
-  const page = await pageOf(browser, `${server.address}/scenes.html`, { script: SCRIPT });
+  const page = await pageOf(site.browser, `${site.server.address}/scenes.html`, { script: SCRIPT });
   context.after(() => page.context().close());
   await page.waitForFunction(() => globalThis.scenes?.every((scene) => scene.isDone && scene.drawnBy === "GPU"), null, { polling: 50 });
   const expected = ["1/2", "1"].map((scale) => rgba(decoded(join(GOLDEN, "rgb8-texture.sgi"), "--scale", scale, "--no-dither")));

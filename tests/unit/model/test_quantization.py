@@ -1,19 +1,11 @@
 """Fixed point against exact integer arithmetic."""
 
 import numpy as np
+from integer_root import root
 
 from sgicodec.model.quantization import FRACTION_BITS, PER_OCTAVE, STEP_COUNT, STEP_ZERO, step_fixed
 
 ONE = 1 << FRACTION_BITS
-
-
-def root(value: int, degree: int) -> int:
-    """Floor of the degree-th root, exactly."""
-    low, high = 0, 1 << (value.bit_length() // degree + 1)
-    while high - low > 1:
-        middle = (low + high) // 2
-        low, high = (middle, high) if middle**degree <= value else (low, middle)
-    return low
 
 
 def test_steps_are_sixths_of_octaves() -> None:

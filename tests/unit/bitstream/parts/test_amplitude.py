@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from integer_root import root
 
 from sgicodec.bitstream.header import Header
 from sgicodec.bitstream.limits import network_shapes
@@ -19,15 +20,6 @@ from sgicodec.profiles.default import default_spec
 
 CHANNELS = 32
 SPEC = replace(default_spec(CHANNELS, prior=0), luma_space=False)
-
-
-def root(value: int, degree: int) -> int:
-    """Floor of the degree-th root, exactly."""
-    low, high = 0, 1 << (value.bit_length() // degree + 1)
-    while high - low > 1:
-        middle = (low + high) // 2
-        low, high = (middle, high) if middle**degree <= value else (low, middle)
-    return low
 
 
 def shape_steps(colours: list[list[int]], base: int) -> np.ndarray:
