@@ -21,7 +21,7 @@ from sgicodec.bitstream.rewriting import rewrite_stream
 from sgicodec.decoder.stream import open_stream
 from sgicodec.device import Device
 from sgicodec.encoder.input.windows import windows_of
-from sgicodec.encoder.residual import residual_layer
+from sgicodec.encoder.residual import Layer, residual_layer
 from sgicodec.errors import require
 
 __all__ = ["Peer", "main", "peers_of"]
@@ -98,7 +98,7 @@ def sgi(picture: Picture, settings: EncodeSettings, errors: tuple[float, ...]) -
     def encode(_: Pixels, most: float) -> bytes:
         out = io.BytesIO()
         with open_stream(lossy, device) as stream:
-            layer = residual_layer(stream, windows_of(picture), most, device)
+            layer = residual_layer(stream, Layer(windows_of(picture), most), device)
         rewrite_stream(io.BytesIO(lossy), out, layer)
         return out.getvalue()
 

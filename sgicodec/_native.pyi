@@ -105,10 +105,13 @@ class Stream:
 
     @property
     def max_error(self) -> float:
-        """-1 without residual layer."""
+        """Of samples of the residual layer, -1 without one."""
 
     @property
     def has_exact_views(self) -> bool: ...
+
+    @property
+    def has_cells(self) -> bool: ...
 
     @property
     def has_overview(self) -> bool: ...
@@ -300,13 +303,15 @@ def tile_segments(length: int, count: int, apron: int, start: float, scale: floa
 
 RESIDUAL_BLOCK: int = ...
 
+RESIDUAL_CELL: int = ...
+
 MAX_GRID_STEPS: int = ...
 
 MAX_PALETTE: int = ...
 
-def code_residual(samples: Annotated[NDArray[numpy.float32], dict(shape=(None, None, None), order='C', device='cpu', writable=False)], drawn: Annotated[NDArray[numpy.float32], dict(shape=(None, None, None), order='C', device='cpu', writable=False)], header: bytes, form: bytes) -> tuple[Annotated[NDArray[numpy.int32], dict(shape=(None,))], Annotated[NDArray[numpy.int32], dict(shape=(None,))], int]:
+def code_residual(samples: Annotated[NDArray[numpy.float32], dict(shape=(None, None, None), order='C', device='cpu', writable=False)], drawn: Annotated[NDArray[numpy.float32], dict(shape=(None, None, None), order='C', device='cpu', writable=False)], header: bytes, form: bytes, cells: Annotated[NDArray[numpy.uint8], dict(shape=(None,), order='C', device='cpu', writable=False)]) -> tuple[Annotated[NDArray[numpy.int32], dict(shape=(None,))], Annotated[NDArray[numpy.int32], dict(shape=(None,))], int]:
     """
-    Bits of a block [h, w, C] of a residual layer that begins with `form`, their P(1) in 2^-16, the CRC-32 of the samples that a reader finds.
+    Bits of a block [h, w, C] of a residual layer that begins with `form`, their P(1) in 2^-16, the CRC-32 of the samples that a reader finds. cells: 1 for those that are coded, row by row; all where the form has no cells.
     """
 
 class SymbolReader:

@@ -22,7 +22,7 @@ using Samples = Array<const float, 3>;
 sgi::Bytes bytes_of(const nb::bytes &bytes) { return {static_cast<const uint8_t *>(bytes.data()), bytes.size()}; }
 
 // Bits of a block, their P(1) in 2^-16, the CRC-32 of what a reader finds.
-auto code_residual(Samples samples, Samples drawn, nb::bytes header, nb::bytes form) {
+auto code_residual(Samples samples, Samples drawn, nb::bytes header, nb::bytes form, Array<const uint8_t, 1> cells) {
   for (size_t axis = 0; axis < 3; ++axis)
     require(samples.shape(axis) == drawn.shape(axis), "samples and drawn have one shape");
   const sgi::Header whole = sgi::decode_header(bytes_of(header));
@@ -31,14 +31,17 @@ auto code_residual(Samples samples, Samples drawn, nb::bytes header, nb::bytes f
   require(int(samples.shape(2)) == whole.spec.channels && samples.size() > 0,
           "a block has pixels, of as many channels as the header has");
   const sgi::ResidualBlock block{whole, stated, int64_t(samples.shape(1)), int64_t(samples.shape(0)), drawn.data()};
-  std::vector<float> found(samples.data(), samples.data() + samples.size());
+  require(cells.size() == block.cells(), "a number for each cell of the block");
+  sgi::ResidualSamples found{{samples.data(), samples.data() + samples.size()},
+                             {cells.data(), cells.data() + cells.size()}};
   const sgi::Isa isa = sgi::choose_isa("auto");
   sgi::BitRecorder bits;
   {
     const nb::gil_scoped_release release;
-    sgi::record_residual(block, isa, found.data(), bits);
+    sgi::record_residual(block, isa, found, bits);
   }
-  const uint32_t crc = sgi::crc32({reinterpret_cast<const uint8_t *>(found.data()), sizeof(float) * found.size()});
+  const std::vector<float> &read = found.samples;
+  const uint32_t crc = sgi::crc32({reinterpret_cast<const uint8_t *>(read.data()), sizeof(float) * read.size()});
   const std::array count{bits.bits.size()};
   return std::tuple(as_array<int32_t>(std::move(bits.bits), count), as_array<int32_t>(std::move(bits.ones), count),
                     crc);
@@ -48,9 +51,10 @@ auto code_residual(Samples samples, Samples drawn, nb::bytes header, nb::bytes f
 
 void bind_residual(nb::module_ &m) {
   m.attr("RESIDUAL_BLOCK") = sgi::kResidualBlock;
+  m.attr("RESIDUAL_CELL") = sgi::kResidualCell;
   m.attr("MAX_GRID_STEPS") = sgi::kMaxGridSteps;
   m.attr("MAX_PALETTE") = sgi::kMaxColours;
-  m.def("code_residual", &code_residual, "samples"_a, "drawn"_a, "header"_a, "form"_a,
+  m.def("code_residual", &code_residual, "samples"_a, "drawn"_a, "header"_a, "form"_a, "cells"_a,
         "Bits of a block [h, w, C] of a residual layer that begins with `form`, their P(1) in 2^-16, the CRC-32 of the "
-        "samples that a reader finds.");
+        "samples that a reader finds. cells: 1 for those that are coded, row by row; all where the form has no cells.");
 }

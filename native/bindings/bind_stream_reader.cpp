@@ -56,7 +56,7 @@ nb::dict chunk_bytes_of(const std::map<std::string, int64_t> &chunk_bytes) {
 nb::tuple summarize(nb::object source) {
   const sgi::StreamSummary found = sgi::summarize(sgi::python_source(std::move(source)));
   return nb::make_tuple(blobs_of(found.blobs), chunk_bytes_of(found.chunk_bytes), found.size, found.max_error,
-                        found.has_exact_views);
+                        found.has_exact_views, found.has_cells);
 }
 
 }  // namespace

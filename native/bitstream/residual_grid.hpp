@@ -9,7 +9,7 @@
 
 namespace sgi {
 
-constexpr int32_t kMaxColours = 256;              // of a palette
+constexpr int32_t kMaxColours = 1024;             // of a palette
 constexpr int32_t kMaxGridSteps = (1 << 22) - 1;  // so that sums of errors in sixteenths fit in 32 bits
 
 // Values 0 ... `most` of a channel stand for samples base + step * value.
@@ -24,6 +24,7 @@ struct ResidualForm {
   double max_error;  // of any sample
   bool has_bits;     // whether floats come back bit by bit, not only their values on the grid
   bool has_views;    // whether views at other scales and in other types are made from these samples
+  bool has_cells;    // whether some cells of the picture alone are coded
   std::vector<ResidualGrid> grids;
   std::vector<int32_t>
       palette;  // [colours, channels] values of all that a pixel may be; empty where that is not stated
@@ -34,7 +35,8 @@ struct ResidualForm {
 // What the rest of the stream draws in a block, on the grids.
 struct GridBlock {
   std::vector<int32_t> values;
-  std::vector<uint8_t> held;  // which samples come out as they are drawn: nodata, and floats that are not finite
+  // Which samples come out as they are drawn: nodata, floats that are not finite, and what is in no coded cell.
+  std::vector<uint8_t> held;
 };
 
 // drawn [pixels, channels], in rows of `width`.

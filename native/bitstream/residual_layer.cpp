@@ -15,7 +15,7 @@ namespace sgi {
 namespace {
 
 constexpr size_t kCrcBytes = 4;
-constexpr int64_t kHasBits = 1, kHasViews = 2, kHasPalette = 4;
+constexpr int64_t kHasBits = 1, kHasViews = 2, kHasPalette = 4, kHasCells = 8;
 
 [[noreturn]] void corrupt(const char *text) { throw Error(Fault::corrupt, std::string("residual layer: ") + text); }
 
@@ -49,9 +49,37 @@ void read_palette(Bytes start, size_t &at, ResidualForm &form) {
     }
 }
 
+// Codes which cells are coded: a bit each, by those to the left, above and right above.
+template <class Bits>
+bool code_cells(const ResidualBlock &block, Bits &bits, std::vector<uint8_t> &cells) {
+  const auto across = size_t(block.cells_across());
+  BitModel models[8];
+  std::fill(std::begin(models), std::end(models), BitModel{kCertain / 2, 0});
+  for (size_t i = 0; i < cells.size(); ++i) {
+    const size_t x = i % across;
+    const bool left = x && cells[i - 1], above = i >= across && cells[i - across];
+    const bool above_right = i >= across && x + 1 < across && cells[i - across + 1];
+    BitModel &model = models[left + 2 * above + 4 * above_right];
+    int bit = cells[i];
+    if (!bits.code(std::clamp<int32_t>(model.probability, 16, kCertain - 16), bit)) return false;
+    adapt(model, bit);
+    cells[i] = uint8_t(bit);
+  }
+  return true;
+}
+
+// Holds what is in no coded cell.
+void hold_others(const ResidualBlock &block, const std::vector<uint8_t> &cells, size_t channels, GridBlock &drawn) {
+  for (int64_t y = 0, at = 0; y < block.height; ++y)
+    for (int64_t x = 0; x < block.width; ++x, at += int64_t(channels))
+      if (!cells[size_t(y / kResidualCell * block.cells_across() + x / kResidualCell)])
+        std::fill_n(&drawn.held[size_t(at)], channels, uint8_t(1));
+}
+
 // Codes which colour of the palette each pixel has; what is drawn says nothing of that.
 template <class Bits>
-bool code_colours(const ResidualBlock &block, Isa isa, Bits &bits, float *samples) {
+bool code_colours(const ResidualBlock &block, Isa isa, Bits &bits, ResidualSamples &known) {
+  float *samples = known.samples.data();
   const ResidualForm &form = block.form;
   const size_t channels = form.grids.size(), pixels = block.samples() / channels;
   const std::vector<int32_t> given = nearest_values(form, samples, block.samples());
@@ -71,20 +99,26 @@ bool code_colours(const ResidualBlock &block, Isa isa, Bits &bits, float *sample
   }
   const std::vector<ResidualGrid> grids{{0, 1, form.colours() - 1, 0}};
   const ResidualShape shape{block.width, block.height, false, grids};
-  const GridBlock drawn{std::vector<int32_t>(pixels), std::vector<uint8_t>(pixels)};
+  GridBlock drawn{std::vector<int32_t>(pixels), std::vector<uint8_t>(pixels)};
+  hold_others(block, known.cells, 1, drawn);
   if (!ResidualCoding<Bits>(shape, kernel_for<PredictorKernel>(isa), bits).code(colours, drawn)) return false;
   for (size_t i = 0; i < pixels; ++i)
     for (size_t c = 0; c < channels; ++c)
-      samples[i * channels + c] = sample_of(form.grids[c], form.palette[size_t(colours[i]) * channels + c]);
+      samples[i * channels + c] = drawn.held[i]
+                                      ? block.drawn[i * channels + c]
+                                      : sample_of(form.grids[c], form.palette[size_t(colours[i]) * channels + c]);
   return true;
 }
 
 template <class Bits>
-bool code_block(const ResidualBlock &block, Isa isa, Bits &bits, float *samples) {
-  if (block.form.colours()) return code_colours(block, isa, bits, samples);
+bool code_block(const ResidualBlock &block, Isa isa, Bits &bits, ResidualSamples &given) {
+  if (block.form.has_cells && !code_cells(block, bits, given.cells)) return false;
+  if (block.form.colours()) return code_colours(block, isa, bits, given);
+  float *samples = given.samples.data();
   const bool is_rgb = block.header.channels == ChannelLayout::rgb || block.header.channels == ChannelLayout::rgba;
   const ResidualShape shape{block.width, block.height, is_rgb, block.form.grids};
-  const GridBlock drawn = on_grids(block.header, block.form, block.drawn, block.width, block.samples());
+  GridBlock drawn = on_grids(block.header, block.form, block.drawn, block.width, block.samples());
+  hold_others(block, given.cells, block.form.grids.size(), drawn);
   std::vector<int32_t> values = nearest_values(block.form, samples, block.samples());
   if (!ResidualCoding<Bits>(shape, kernel_for<PredictorKernel>(isa), bits).code(values, drawn)) return false;
   return GridRest<Bits>(block.header, block.form, bits).code(drawn, values, block.drawn, samples);
@@ -102,12 +136,14 @@ int64_t longest_residual_table(const Header &header) {
 }
 
 ResidualForm read_residual_form(const Header &header, Bytes start, size_t &at) {
-  ResidualForm form{read_real(start, at), false, false, std::vector<ResidualGrid>(size_t(header.spec.channels)), {}};
+  ResidualForm form{
+      read_real(start, at), false, false, false, std::vector<ResidualGrid>(size_t(header.spec.channels)), {}};
   if (!(form.max_error >= 0) || std::isinf(form.max_error)) corrupt("its greatest error is no number from 0 on");
   const int64_t flags = decode_varint(start, at);
-  form.has_bits = flags & kHasBits, form.has_views = flags & kHasViews;
-  if (flags > (kHasBits | kHasViews | kHasPalette) || (form.has_bits && header.sample_type != SampleType::f32) ||
-      ((flags & kHasPalette) && !form.has_views) ||
+  form.has_bits = flags & kHasBits, form.has_views = flags & kHasViews, form.has_cells = flags & kHasCells;
+  if (flags > (kHasBits | kHasViews | kHasPalette | kHasCells) ||
+      (form.has_bits && header.sample_type != SampleType::f32) ||
+      ((flags & (kHasPalette | kHasCells)) && !form.has_views) ||
       (form.has_views && (header.masked != Masked::none || header.has_exact || header.alpha() >= 0)))
     corrupt("it has flags that do not go with the picture");
   for (ResidualGrid &grid : form.grids) {
@@ -141,19 +177,22 @@ ResidualTable read_residual_table(const Header &header, Bytes start, int64_t len
   return table;
 }
 
-void record_residual(const ResidualBlock &block, Isa isa, float *samples, BitRecorder &bits) {
-  code_block(block, isa, bits, samples);
+void record_residual(const ResidualBlock &block, Isa isa, ResidualSamples &given, BitRecorder &bits) {
+  code_block(block, isa, bits, given);
 }
 
-std::vector<float> decode_residual(const ResidualBlock &block, Isa isa, Bytes bytes, uint32_t crc) {
-  RangeDecoder decoder(bytes.data, int64_t(bytes.size));
-  BitReader bits(decoder);
-  std::vector<float> samples(block.samples());
-  if (!code_block(block, isa, bits, samples.data())) corrupt("the samples of a block do not decode");
-  if (!decoder.maybe_exhausted()) corrupt("bytes are left over behind the samples of a block");
-  if (crc32({reinterpret_cast<const uint8_t *>(samples.data()), samples.size() * sizeof(float)}) != crc)
+ResidualSamples decode_residual(const ResidualBlock &block, Isa isa, Bytes bytes, uint32_t crc) {
+  ResidualSamples found{{block.drawn, block.drawn + block.samples()},
+                        std::vector<uint8_t>(block.cells(), uint8_t(!block.form.has_cells))};
+  if (bytes.size || !block.form.has_cells) {
+    RangeDecoder decoder(bytes.data, int64_t(bytes.size));
+    BitReader bits(decoder);
+    if (!code_block(block, isa, bits, found)) corrupt("the samples of a block do not decode");
+    if (!decoder.maybe_exhausted()) corrupt("bytes are left over behind the samples of a block");
+  }
+  if (crc32({reinterpret_cast<const uint8_t *>(found.samples.data()), found.samples.size() * sizeof(float)}) != crc)
     corrupt("the samples of a block are not those that were written");
-  return samples;
+  return found;
 }
 
 }  // namespace sgi

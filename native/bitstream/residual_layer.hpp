@@ -13,11 +13,12 @@
 namespace sgi {
 
 constexpr int64_t kResidualBlock = 512;  // pixels of a side; the last of a row or column may have fewer
+constexpr int64_t kResidualCell = 16;    // the same of cells, in a block
 
 // What the layer of a picture begins with.
 struct ResidualTable {
   struct Block {
-    int64_t offset, bytes;  // in the payload of the chunk
+    int64_t offset, bytes;  // in the payload of the chunk; no bytes: nothing of it is coded
     uint32_t crc;           // of its samples, each as a little-endian float
   };
   ResidualForm form;
@@ -43,11 +44,19 @@ struct ResidualBlock {
   const float *drawn;
 
   size_t samples() const { return size_t(width * height) * form.grids.size(); }
+  int64_t cells_across() const { return (width + kResidualCell - 1) / kResidualCell; }
+  size_t cells() const { return size_t(cells_across() * ((height + kResidualCell - 1) / kResidualCell)); }
 };
 
-// Notes the bits of samples of a block, and leaves in `samples` what a reader finds.
-void record_residual(const ResidualBlock &block, Isa isa, float *samples, BitRecorder &bits);
+// The samples of a block as they come out, and which of its cells are coded.
+struct ResidualSamples {
+  std::vector<float> samples;
+  std::vector<uint8_t> cells;
+};
+
+// Notes the bits of samples of a block, and leaves in `given` what a reader finds.
+void record_residual(const ResidualBlock &block, Isa isa, ResidualSamples &given, BitRecorder &bits);
 // Decodes the samples of a block from its bytes. Throws Error (corrupt).
-std::vector<float> decode_residual(const ResidualBlock &block, Isa isa, Bytes bytes, uint32_t crc);
+ResidualSamples decode_residual(const ResidualBlock &block, Isa isa, Bytes bytes, uint32_t crc);
 
 }  // namespace sgi

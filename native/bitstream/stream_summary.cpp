@@ -47,6 +47,7 @@ StreamSummary summarize(std::unique_ptr<ByteSource> source) {
     if (chunk.kind == 'r') {
       const ResidualForm form = form_of(chunks, found.header, chunk);
       found.max_error = form.max_error, found.has_exact_views = form.has_views;
+      found.has_cells = form.has_cells;
     }
     if (chunk.kind == 'T' || chunk.kind == 'X' || chunk.kind == 'o' || chunk.kind == 'r') continue;
     const auto &payload = found.blobs[chunk.kind] = chunks.payload(chunk);

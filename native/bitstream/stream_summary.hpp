@@ -16,6 +16,7 @@ struct StreamSummary {
   uint64_t size = 0;                             // of the file, bytes
   double max_error = -1;                         // that the residual layer states; -1 where there is none
   bool has_exact_views = false;                  // whether it shows every view
+  bool has_cells = false;                        // whether it does in some cells alone
   std::map<char, std::vector<uint8_t>> blobs;    // payloads by letter, without T, X, o and r
   std::map<std::string, int64_t> chunk_bytes{};  // by letter, frame included; and the "signature"
 };

@@ -46,6 +46,16 @@ void ExactBlocks::fill(int64_t x, int64_t y, const PixelBlock &out, SampleType t
   }
 }
 
+const std::vector<uint8_t> &ExactBlocks::cells(int64_t x, int64_t y, const Draw &draw) {
+  const int64_t wanted = number(x, y);
+  ++uses_;
+  if (!blocks_.count(wanted)) decode({wanted}, draw);
+  Kept &kept = blocks_.at(wanted);
+  kept.use = uses_;
+  forget();
+  return kept.found.cells;
+}
+
 ExactBlocks::Place ExactBlocks::place(int64_t number) const {
   const int64_t x = number % across_ * kResidualBlock, y = number / across_ * kResidualBlock;
   const Header &header = chunks_.header();
@@ -56,7 +66,8 @@ void ExactBlocks::decode(const std::vector<int64_t> &numbers, const Draw &draw) 
   const auto at_once = size_t(resolve_threads(settings_.threads));
   for (size_t first = 0; first < numbers.size(); first += at_once) {
     const size_t count = std::min(at_once, numbers.size() - first);
-    std::vector<std::vector<float>> shown(count), samples(count);
+    std::vector<std::vector<float>> shown(count);
+    std::vector<ResidualSamples> found(count);
     std::vector<std::vector<uint8_t>> bytes(count);
     for (size_t i = 0; i < count; ++i) {
       const ResidualTable::Block &block = table_.blocks[size_t(numbers[first + i])];
@@ -68,12 +79,12 @@ void ExactBlocks::decode(const std::vector<int64_t> &numbers, const Draw &draw) 
       const Place where = place(number);
       const std::vector<uint8_t> &given = bytes[size_t(i)];
       const ResidualBlock block{chunks_.header(), table_.form, where.width, where.height, shown[size_t(i)].data()};
-      samples[size_t(i)] =
+      found[size_t(i)] =
           decode_residual(block, settings_.isa, {given.data(), given.size()}, table_.blocks[size_t(number)].crc);
     });
     for (size_t i = 0; i < count; ++i) {
-      bytes_ += int64_t(samples[i].size() * sizeof(float));
-      blocks_[numbers[first + i]] = {std::move(samples[i]), uses_};
+      bytes_ += int64_t(found[i].samples.size() * sizeof(float));
+      blocks_[numbers[first + i]] = {std::move(found[i]), uses_};
     }
   }
 }
@@ -94,7 +105,7 @@ void ExactBlocks::copy(int64_t number, int64_t x, int64_t y, const PixelBlock &o
   const int64_t left = std::max(x, from.x), right = std::min(x + out.columns, from.x + from.width);
   const int64_t top = std::max(y, from.y), bottom = std::min(y + out.rows, from.y + from.height);
   const int64_t channels = chunks_.header().spec.channels, count = (right - left) * channels;
-  const float *samples = blocks_.at(number).samples.data();
+  const float *samples = blocks_.at(number).found.samples.data();
   for (int64_t row = top; row < bottom; ++row) {
     const float *source = samples + ((row - from.y) * from.width + left - from.x) * channels;
     const int64_t target = (row - y) * out.stride + (left - x) * channels;
@@ -110,7 +121,7 @@ void ExactBlocks::forget() {
     const auto oldest = std::min_element(blocks_.begin(), blocks_.end(),
                                          [](const auto &a, const auto &b) { return a.second.use < b.second.use; });
     if (oldest == blocks_.end() || oldest->second.use == uses_) return;
-    bytes_ -= int64_t(oldest->second.samples.size() * sizeof(float));
+    bytes_ -= int64_t(oldest->second.found.samples.size() * sizeof(float));
     blocks_.erase(oldest);
   }
 }

@@ -29,16 +29,26 @@ class ExactBlocks {
   double max_error() const { return table_.form.max_error; }
   // Whether views at other scales and in other types are made from these samples.
   bool has_views() const { return table_.form.has_views; }
+  // Whether views are made of them in some cells alone, and are drawn elsewhere.
+  bool has_cells() const { return table_.form.has_cells; }
+  // Whether any sample of the block that holds a pixel comes from the layer.
+  bool is_coded(int64_t x, int64_t y) const { return table_.blocks[size_t(number(x, y))].bytes > 0; }
+  // Whether samples of each cell of the block that holds a pixel come from the layer: as in ResidualSamples, until the
+  // next call. Throws Error (corrupt).
+  const std::vector<uint8_t> &cells(int64_t x, int64_t y, const Draw &draw);
+  // The block that holds a pixel.
+  Place around(int64_t x, int64_t y) const { return place(number(x, y)); }
   // Fills samples of a type, the source's or floats, with the region whose first pixel is (x, y). Throws Error
   // (corrupt).
   void fill(int64_t x, int64_t y, const PixelBlock &out, SampleType type, const Draw &draw);
 
  private:
   struct Kept {
-    std::vector<float> samples;
+    ResidualSamples found;
     int64_t use;  // when it was used last
   };
 
+  int64_t number(int64_t x, int64_t y) const { return y / kResidualBlock * across_ + x / kResidualBlock; }
   Place place(int64_t number) const;
   void decode(const std::vector<int64_t> &numbers, const Draw &draw);
   std::vector<float> drawn(const Place &place, const Draw &draw) const;

@@ -27,37 +27,38 @@ MeanView::MeanView(const Header &header, const PictureView &view, const Fill &fi
   for (int64_t i = 0; i < view.columns; ++i) columns_.push_back(cover(view.x, view.sx, i, header.width));
 }
 
-void MeanView::draw(int64_t top, const PixelBlock &block, const SampleFormat &format, bool dither) const {
+void MeanView::draw(int64_t left, int64_t top, const PixelBlock &block, const SampleFormat &format, bool dither) const {
   const int64_t at_once = std::clamp<int64_t>(int64_t(double(kSourceRows) * view_.sy), 1, kSourceRows);
-  const int64_t left = columns_.front().first, width = columns_.back().last + 1 - left;
-  const int channels = header_.spec.channels;
-  std::vector<float> samples, values;
+  const int64_t stride = block.columns * header_.spec.channels;
+  Source source{columns_[size_t(left)].first, 0, 0, {}};
+  source.width = columns_[size_t(left + block.columns - 1)].last + 1 - source.left;
+  std::vector<float> values;
   for (int64_t begin = 0; begin < block.rows; begin += at_once) {
     const int64_t rows = std::min(at_once, block.rows - begin), row = top + begin;
-    const int64_t first = cover(view_.y, view_.sy, row, header_.height).first;
-    const int64_t height = cover(view_.y, view_.sy, row + rows - 1, header_.height).last + 1 - first;
-    samples.resize(size_t(width * height * channels)), values.resize(size_t(rows * block.columns * channels));
-    fill_(left, first, width, height, samples.data());
+    source.top = cover(view_.y, view_.sy, row, header_.height).first;
+    const int64_t height = cover(view_.y, view_.sy, row + rows - 1, header_.height).last + 1 - source.top;
+    source.samples.resize(size_t(source.width * height * header_.spec.channels)), values.resize(size_t(rows * stride));
+    fill_(source.left, source.top, source.width, height, source.samples.data());
     parallel_for(rows, threads_,
-                 [&](int64_t i) { average(row + i, first, samples, &values[size_t(i * block.columns * channels)]); });
+                 [&](int64_t i) { average(row + i, left, block.columns, source, &values[size_t(i * stride)]); });
     const PixelBlock part = format.part(block, 0, begin, block.columns, rows);
     if (dither)
-      format.store_dithered(values.data(), 0, row, part, threads_);
+      format.store_dithered(values.data(), left, row, part, threads_);
     else
       format.store(values.data(), part, threads_);
   }
 }
 
-void MeanView::average(int64_t row, int64_t first, const std::vector<float> &samples, float *values) const {
-  const int64_t left = columns_.front().first, width = columns_.back().last + 1 - left;
+void MeanView::average(int64_t row, int64_t left, int64_t columns, const Source &source, float *values) const {
   const int channels = header_.spec.channels;
   const Cover down = cover(view_.y, view_.sy, row, header_.height);
-  for (const Cover &across : columns_) {
+  for (int64_t column = left; column < left + columns; ++column) {
+    const Cover &across = columns_[size_t(column)];
     const double area = (down.high - down.low) * (across.high - across.low);
     for (int c = 0; c < channels; ++c, ++values) {
       double sum = 0;
       for (int64_t y = down.first; y <= down.last; ++y) {
-        const float *line = &samples[size_t(((y - first) * width - left) * channels + c)];
+        const float *line = source.samples.data() + ((y - source.top) * source.width - source.left) * channels + c;
         double part = 0;
         for (int64_t x = across.first; x <= across.last; ++x) part += across.weight(x) * double(line[x * channels]);
         sum += down.weight(y) * part;

@@ -18,8 +18,8 @@ class MeanView {
 
   MeanView(const Header &header, const PictureView &view, const Fill &fill, int threads);
 
-  // Rows top ... top + block.rows - 1.
-  void draw(int64_t top, const PixelBlock &block, const SampleFormat &format, bool dither) const;
+  // Columns left ... left + block.columns - 1 of rows top ... top + block.rows - 1.
+  void draw(int64_t left, int64_t top, const PixelBlock &block, const SampleFormat &format, bool dither) const;
 
  private:
   // What an output pixel covers along an axis: pixels from `first` on, with the weights of the first, of those
@@ -32,8 +32,13 @@ class MeanView {
   };
 
   static Cover cover(double start, double scale, int64_t index, int64_t size);
-  // The values [columns, C] of an output row, from samples of which the first row is `first`.
-  void average(int64_t row, int64_t first, const std::vector<float> &samples, float *values) const;
+  // Samples of the picture, from a column and a row on.
+  struct Source {
+    int64_t left, top, width;
+    std::vector<float> samples;
+  };
+  // The values [columns, C] of an output row from output column `left` on.
+  void average(int64_t row, int64_t left, int64_t columns, const Source &source, float *values) const;
 
   const Header &header_;
   const PictureView &view_;

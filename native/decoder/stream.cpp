@@ -10,7 +10,7 @@
 #include "base/error.hpp"
 #include "base/thread_pool.hpp"
 #include "decoder/compositor.hpp"
-#include "decoder/mean_view.hpp"
+#include "decoder/exact_view.hpp"
 
 namespace sgi {
 namespace {
@@ -137,17 +137,20 @@ void Stream::draw_inside(const PictureView &view, int64_t top, const PixelBlock 
     draw_view(header(), parts_->tiles, whole, 0, out, plain);
   };
   if (is_whole) return blocks->fill(int64_t(view.x), int64_t(view.y) + top, block, header().sample_type, draw);
-  const MeanView::Fill fill = [&](int64_t x, int64_t y, int64_t columns, int64_t rows, float *samples) {
-    const PixelBlock out{samples, columns, rows, columns * header().spec.channels};
-    blocks->fill(x, y, out, SampleType::f32, draw);
-  };
-  MeanView(header(), view, fill, drawing.threads).draw(top, block, format, drawing.dither);
+  if (blocks->has_cells()) draw_view(header(), parts_->tiles, view, top, block, drawing);
+  ExactView{header(), view, format, draw, drawing.dither, drawing.threads}.fill(*blocks, top, block);
 }
 
 bool Stream::has_exact_views() {
   const Lock lock(parts_->turn);
   const ExactBlocks *blocks = exact_blocks();
   return blocks && blocks->has_views();
+}
+
+bool Stream::has_cells() {
+  const Lock lock(parts_->turn);
+  const ExactBlocks *blocks = exact_blocks();
+  return blocks && blocks->has_cells();
 }
 
 ExactBlocks *Stream::exact_blocks() {

@@ -54,6 +54,8 @@ class Stream {
   double max_error();
   // Whether views at any scale and in any type are made from what the residual layer makes exact.
   bool has_exact_views();
+  // Whether the layer does so in some cells alone, those of text and line art.
+  bool has_cells();
   bool has_overview() const;
   Stream &overview();                                  // throws Error (usage) where there is none
   const std::vector<uint8_t> &overview_bytes() const;  // of the one that was asked for, else empty

@@ -23,9 +23,11 @@ class StreamSummary:
         self.chunk_bytes: dict[str, int]
         self.size: int
         self.has_exact_views: bool
-        self.blobs, self.chunk_bytes, self.size, max_error, self.has_exact_views = _native.summarize(source)
-        self.max_error: float | None = None if max_error < 0 else max_error
-        """Levels by which no sample is off that a residual layer brings back; None without one."""
+        self.blobs, self.chunk_bytes, self.size, max_error, self.has_exact_views, has_cells = _native.summarize(source)
+        self.max_error: float | None = None if max_error < 0 or has_cells else max_error
+        """As in `Stream`."""
+        self.graphics_error: float | None = max_error if has_cells else None
+        """As in `Stream`."""
         self.header = decode_header(self.blobs["H"])
 
     @property

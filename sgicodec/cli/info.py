@@ -104,6 +104,7 @@ def _facts(summary: StreamSummary | Stream, survey: Survey | None) -> dict[str, 
         "tiles": header.grid.count,
         "overview": overview_size(header.width, header.height) if summary.has_overview else None,
         "max_error": summary.max_error,
+        "graphics_error": summary.graphics_error,
         "exact_views": summary.has_exact_views,
         "metadata": metadata_bytes(summary.chunk_bytes),
         **_place_facts(summary),
@@ -164,10 +165,11 @@ def _lines(summary: StreamSummary | Stream, facts: Mapping[str, Any]) -> dict[st
         lines["tiles"] = f"{what}, fading over {2 * grid.apron}"
     if facts["overview"] is not None:
         lines["overview"] = "{}×{}".format(*facts["overview"])
-    if facts["max_error"] is not None:
-        unit = "" if facts["sample_type"] == "float32" else " levels"
-        lines["samples"] = f"at most {facts['max_error']:g}{unit} off" if facts["max_error"] else "without loss"
-        lines["samples"] += ", in all views" * facts["exact_views"]
+    for name, of in (("max_error", ""), ("graphics_error", "text and line art ")):
+        if facts[name] is not None:
+            unit = "" if facts["sample_type"] == "float32" else " levels"
+            error = f"at most {facts[name]:g}{unit} off" if facts[name] else "without loss"
+            lines["samples"] = of + error + ", in all views" * facts["exact_views"]
     if facts["metadata"]:
         lines["metadata"] = ", ".join(f"{name} {size:,} bytes" for name, size in facts["metadata"].items())
     if facts["seeds"] is not None:

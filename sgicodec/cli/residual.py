@@ -44,7 +44,7 @@ def refine(picture: str, source: str, target: str, max_error: float, threads: in
     from sgicodec.encoder.input.windows import windows_of, without_needless_alpha
     from sgicodec.encoder.plan import stream_plan
     from sgicodec.encoder.progress import NullListener
-    from sgicodec.encoder.residual import residual_layer
+    from sgicodec.encoder.residual import Layer, residual_layer
     from sgicodec.encoder.settings import EncodeSettings
     from sgicodec.image.source import open_to_encode
 
@@ -57,7 +57,7 @@ def refine(picture: str, source: str, target: str, max_error: float, threads: in
         windows = windows_of(opened)
         if windows.shape.bands > stream.header.spec.channels:
             windows, _ = without_needless_alpha(windows, stream_plan(windows.shape, EncodeSettings()), NullListener())
-        layer = residual_layer(stream, windows, max_error, device)
+        layer = residual_layer(stream, Layer(windows, max_error), device)
     _rewritten(source, target, layer, quiet)
 
 
@@ -81,9 +81,9 @@ def strip(source: str, target: str, force: bool, quiet: bool) -> None:
 
 
 def check_below(stream: Stream) -> None:
-    """Raises UsageError where there is next to nothing below the residual layer of a stream."""
+    """Raises UsageError where the residual layer of a stream shows what nothing below it does."""
     if stream.has_exact_views:
-        raise UsageError("its residual layer shows every view; there is next to nothing below it")
+        raise UsageError("its text and line art are in the residual layer alone")
 
 
 def _rewritten(source: str, target: str, layer: bytes | None, quiet: bool) -> None:

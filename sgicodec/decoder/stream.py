@@ -165,13 +165,21 @@ class Stream(ArrayView):
 
     @property
     def max_error(self) -> float | None:
-        """Levels by which no sample is off the source's at most: 0 without loss; None without residual layer."""
-        found = self._open_native().max_error
-        return None if found < 0 else found
+        """Levels by which no sample is off the source's at most: 0 without loss; None without residual layer, and with
+        one that shows text and line art alone.
+        """
+        native = self._open_native()
+        return None if native.max_error < 0 or native.has_cells else native.max_error
+
+    @property
+    def graphics_error(self) -> float | None:
+        """The same of samples of text and line art, where a residual layer shows these alone; else None."""
+        native = self._open_native()
+        return native.max_error if native.has_cells else None
 
     @property
     def has_exact_views(self) -> bool:
-        """Whether a residual layer shows every view: there is next to nothing below it."""
+        """Whether a residual layer shows every view, or text and line art in it: nothing below shows them."""
         return bool(self._open_native().has_exact_views)
 
     @property

@@ -1,57 +1,109 @@
-"""Text, line art and screens: which pictures are coded without loss because that takes no more, and are shown by exact
-pixels at every scale.
+"""Text, line art and screens: a residual layer shows them instead of Gaussians and texture, at every scale, because
+that takes fewer bits and keeps edges hard.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from sgicodec import _native
-from sgicodec.bitstream.header import Header, encode_header
+from sgicodec.bitstream.header import Header
+from sgicodec.encoder.graphic_cells import CellSurvey, cell_means, cells_in, colour_counts, level_of, repeating_cells
+from sgicodec.encoder.input.graphic_windows import with_fewer_colours, without_cells
 from sgicodec.encoder.input.windows import Windows
 from sgicodec.encoder.plan import Plan
-from sgicodec.encoder.residual_grids import Repeats, block_rects, residual_form
+from sgicodec.encoder.residual import Layer, bits_of_blocks
+from sgicodec.encoder.residual_grids import Repeats, block_rects
 from sgicodec.metadata.layouts import alpha_index
 from sgicodec.model.steps import quality_index
+from sgicodec.model.tile_grid import Rect
 
-__all__ = ["with_exact_views"]
+__all__ = ["Division", "with_graphics"]
 
 _LARGE_LMBDA = 1e4
 """At which a model of one Gaussian is best."""
 _MOST_BLOCKS = 12
 """By which a picture is judged."""
-_USUAL_BITS, _DOUBLING = 0.8, 20
-"""Bits of a pixel of text at quality 50, with loss, and the steps of quality that double them."""
+_LEAST_SHARE = 1 / 256
+"""Of cells of a picture that are text or line art, where it has any."""
+_EDGE_BITS, _EDGE_DOUBLING = 10.0, 40
+"""Bits that a layer may take for a pixel of an edge at quality 50, and the steps of quality that double them: what a
+lossy picture spends on text, or little more (docs/notes/2026-11-text.md).
+"""
+_ERROR, _ERROR_HALVING = 8.0, 20
+"""One more than the levels of 255 that colours may be off at quality 50, and the steps of quality that halve them."""
+_MAX_ERROR = 15
+"""Whatever the quality; text is often no more than twice as far from its ground."""
+_MAX_CHANNELS = 3
 
 
-def with_exact_views(windows: Windows, plan: Plan) -> Plan:
-    """The plan of a lossless stream over a lossy picture that takes next to nothing, where whole pixels repeat each
-    other: if a residual layer is asked for, but no quality of what is below; or if neither is, and the layer will
-    probably take no more than a lossy stream of this quality.
+class Division(NamedTuple):
+    """A picture divided in two: what tiles show, with their plan, and what a residual layer does, if there is one."""
+
+    windows: Windows
+    plan: Plan
+    layer: Layer | None = None
+
+
+def with_graphics(windows: Windows, plan: Plan) -> Division:
+    """What tiles show of a picture, and what a residual layer does. Where the layer was asked for, no quality of what
+    is below was, and whole pixels repeat each other, it shows all; where nothing but a quality was, text and line art.
     """
-    settings = plan.settings
+    settings, header = plan.settings, plan.header
+    asked = settings.max_error
     is_quality = "quality" in settings.chosen_profile.scales and settings.lmbda is None and settings.target is None
-    is_below_asked = settings.max_error is not None and settings.quality is not None
-    if not is_quality or is_below_asked or not _may_have(plan.header):
-        return plan
-    rects = list(block_rects(plan.header))
-    rects = rects[:: -(-len(rects) // _MOST_BLOCKS)]
-    blocks, repeats = [windows.read(*rect).pixels for rect in rects], Repeats()
-    for block in blocks:
-        repeats.see(block)
-    if not repeats.are_usual:
-        return plan
-    if settings.max_error is None:
-        limit = _USUAL_BITS * 2 ** ((settings.chosen_quality - 50) / _DOUBLING)
-        if _bits_of_pixel(plan.header, blocks) > limit:
-            return plan
-        settings = replace(settings, max_error=0)
-    plan = replace(plan, settings=replace(settings, effort=1, steps=None), exact_views=True)
+    is_below_asked = asked is not None and settings.quality is not None
+    if not is_quality or is_below_asked or not _may_have(header):
+        return Division(windows, plan, None if asked is None else Layer(windows, asked))
+    rects = list(block_rects(header))
+    sample = _some(rects)
+    if asked is not None:
+        repeats = Repeats()
+        for rect in sample:
+            repeats.see(windows.read(*rect).pixels)
+        if not repeats.are_usual:
+            return Division(windows, plan, Layer(windows, asked))
+        return Division(windows, _above_nothing(plan), Layer(windows, asked, exact_views=True))
+    if header.sample_type == "float32" or header.spec.channels > _MAX_CHANNELS or not _has_some(windows, sample):
+        return Division(windows, plan)
+    return _divided(windows, plan, rects)
+
+
+def _divided(windows: Windows, plan: Plan, rects: Sequence[Rect]) -> Division:
+    header, survey = plan.header, CellSurvey(plan.header)
+    for rect in rects:
+        survey.see(rect, windows.read(*rect).pixels)
+    cells = survey.graphic()
+    if cells.mean() < _LEAST_SHARE:
+        return Division(windows, plan)
+    above = plan.settings.chosen_quality - 50
+    off = _ERROR * 2 ** (-above / _ERROR_HALVING) - 1
+    max_error = int(min(_MAX_ERROR, max(0.0, off)) * level_of(header))
+    having = [rect for rect in rects if cells[cells_in(rect)].any()]
+    colours = colour_counts(header, ((windows.read(*rect).pixels, cells[cells_in(rect)]) for rect in having))
+    shown, max_error = with_fewer_colours(windows, cells, colours, max_error)
+    layer = Layer(shown, max_error, exact_views=True, cells=cells, is_off=True)
+    judged = _some(having)
+    among = np.zeros_like(cells)
+    for rect in judged:
+        among[cells_in(rect)] = cells[cells_in(rect)]
+    if bits_of_blocks(header, layer, judged) > _EDGE_BITS * 2 ** (above / _EDGE_DOUBLING) * survey.edges(among):
+        return Division(windows, plan)
+    if cells.all():
+        plan = replace(plan, settings=replace(plan.settings, max_error=max_error))
+        return Division(windows, _above_nothing(plan), replace(layer, cells=None))
+    means = np.zeros((*cells.shape, header.spec.channels), np.float32)
+    for rect in rects:
+        means[cells_in(rect)] = cell_means(windows.read(*rect).pixels)
+    return Division(without_cells(windows, cells, means), plan, layer)
+
+
+def _above_nothing(plan: Plan) -> Plan:
+    """The plan of tiles that take next to nothing."""
+    plan = replace(plan, settings=replace(plan.settings, effort=1, steps=None))
     return plan.at(_LARGE_LMBDA, quality_index(_LARGE_LMBDA))
 
 
@@ -60,12 +112,11 @@ def _may_have(header: Header) -> bool:
     return header.masked is None and not header.has_exact and alpha_index(header.channels) is None
 
 
-def _bits_of_pixel(header: Header, blocks: Iterable[NDArray[Any]]) -> float:
-    """What a residual layer takes of these blocks, without loss and whatever is drawn below."""
-    blocks = [np.ascontiguousarray(block, np.float32) for block in blocks]
-    form, bits = residual_form(header, blocks, 0, exact_views=True), 0.0
-    for block in blocks:
-        coded, ones, _ = _native.code_residual(block, np.zeros_like(block), encode_header(header), form)
-        bits -= float(np.log2(np.where(coded, ones, 65536 - ones) / 65536).sum())
-    pixels: int = sum(block.shape[0] * block.shape[1] for block in blocks)
-    return bits / pixels
+def _some(rects: Sequence[Rect]) -> Sequence[Rect]:
+    return rects[:: -(-len(rects) // _MOST_BLOCKS) or 1]
+
+
+def _has_some(windows: Windows, sample: Sequence[Rect]) -> bool:
+    """Whether enough cells of blocks of a picture repeat themselves as text does to look at all."""
+    repeat = [repeating_cells(windows.read(*rect).pixels) for rect in sample]
+    return sum(int(cells.sum()) for cells in repeat) >= _LEAST_SHARE * sum(cells.size for cells in repeat)

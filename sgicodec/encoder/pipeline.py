@@ -15,13 +15,13 @@ from typing import TYPE_CHECKING, BinaryIO
 from sgicodec.bitstream.stream_writer import write_stream
 from sgicodec.decoder.stream import open_stream
 from sgicodec.device import ALL_CORES, Device, check_device
-from sgicodec.encoder.graphics import with_exact_views
+from sgicodec.encoder.graphics import with_graphics
 from sgicodec.encoder.input.overview import overview_picture, overview_settings, takes_overview
 from sgicodec.encoder.input.windows import Windows, kept, windows_of, without_needless_alpha
 from sgicodec.encoder.plan import Plan, stream_plan
 from sgicodec.encoder.progress import NullListener, PassReporter
 from sgicodec.encoder.quality_calibration import with_quality_calibration
-from sgicodec.encoder.residual import residual_layer
+from sgicodec.encoder.residual import Layer, residual_layer
 from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.encoder.tiles.checkpoint import fingerprint
 from sgicodec.encoder.tiles.passes import Finished, TilePasses
@@ -110,8 +110,9 @@ def encode_picture(
     windows, plan = without_needless_alpha(windows, plan, listener)
     where = Path(output) if isinstance(output, str) else output
     with locked(where) if isinstance(where, Path) else nullcontext():
-        plan = with_quality_calibration(windows, with_exact_views(windows, plan))
-        request = _Request(windows, plan, where, listener, device, verify)
+        below, plan, layer = with_graphics(windows, plan)
+        plan = with_quality_calibration(below, plan)
+        request = _Request(windows, below, plan, layer, where, listener, device, verify)
         return _encoded(request, executor, store)
 
 
@@ -121,15 +122,18 @@ def encode_all_channels(picture: Picture, settings: EncodeSettings, device: Devi
     """
     windows = windows_of(picture)
     plan = with_quality_calibration(windows, stream_plan(windows.shape, settings))
-    return _encoded(_Request(windows, plan, None, NullListener(), device, False)).data
+    layer = None if settings.max_error is None else Layer(windows, settings.max_error)
+    return _encoded(_Request(windows, windows, plan, layer, None, NullListener(), device, False)).data
 
 
 @dataclass(frozen=True)
 class _Request:
-    """What `encode_picture` was asked for, and the plan that follows."""
+    """What `encode_picture` was asked for, and what follows: `below` is what tiles show of the picture."""
 
     windows: Windows
+    below: Windows
     plan: Plan
+    layer: Layer | None
     output: Path | BinaryIO | None
     listener: NullListener
     device: Device
@@ -192,7 +196,7 @@ _NOTHING = {
 
 def _encoded(request: _Request, executor: Executor | None = None, store: Store | None = None) -> Encoded:
     """Raises TargetMissedError, with the nearest stream."""
-    plan, windows, listener = request.plan, request.windows, request.listener
+    plan, windows, listener = request.plan, request.below, request.listener
     executor, memory = within_memory(windows, plan, executor)
     listener.planned(plan, executor.workers, memory)
     listener.stage("load")
@@ -201,7 +205,7 @@ def _encoded(request: _Request, executor: Executor | None = None, store: Store |
 
     with one_blas_thread(), tiles.opened(lambda: fingerprint(plan, windows.digest())):
         task = FitTask(plan) if plan.header.tile else FitTask(plan, listener)
-        reporter, overview = PassReporter(plan, listener), _overview_maker(plan, windows, runner)
+        reporter, overview = PassReporter(plan, listener), _overview_maker(plan, request.windows, runner)
         finished = TilePasses(task, runner, tiles, reporter, request.error, overview).run()
         layer = _residual(request, finished, tiles)
         data, size, psnr = request.write(lambda file: _write(file, finished, tiles, layer))
@@ -216,15 +220,14 @@ def _encoded(request: _Request, executor: Executor | None = None, store: Store |
 
 def _residual(request: _Request, finished: Finished, store: Store) -> bytes | None:
     """The payload of the residual layer, if there is to be one."""
-    max_error = request.plan.settings.max_error
-    if max_error is None:
+    if request.layer is None:
         return None
     request.listener.stage("residual")
     with tempfile.TemporaryFile() as file:
         _write(file, finished, store, None)
         file.seek(0)
         with open_stream(file, request.device.processor) as stream:
-            return residual_layer(stream, request.windows, max_error, request.device, request.plan.exact_views)
+            return residual_layer(stream, request.layer, request.device)
 
 
 def _write(file: BinaryIO, finished: Finished, store: Store, residual: bytes | None) -> int:

@@ -67,8 +67,6 @@ class Plan:
     """Whether colours are those of eight bits, stretched to the range and rounded."""
     calibrated_quality: float | None = None
     """The quality to whose mean score the only tile is brought, None where λ alone says what it looks like."""
-    exact_views: bool = False
-    """Whether the residual layer shows every view, and tiles next to nothing."""
 
     def of_header(self, window: Picture) -> Picture:
         """A window as the header describes its samples, without metadata."""

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import zlib
 from collections import deque
+from collections.abc import Iterable
 from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,38 +18,76 @@ from sgicodec.bitstream.header import Header, encode_header
 from sgicodec.bitstream.varint import encode_varint
 from sgicodec.decoder.stream import Stream
 from sgicodec.device import Device
+from sgicodec.encoder.graphic_cells import Cells, cells_in, cells_shape, stacked_cells
 from sgicodec.encoder.input.windows import Windows
 from sgicodec.encoder.residual_grids import block_rects, residual_form
 from sgicodec.errors import PictureError
+from sgicodec.model.tile_grid import Rect
 
-__all__ = ["residual_layer"]
+__all__ = ["Layer", "bits_of_blocks", "residual_layer"]
 
 _CRC_BYTES = 4
 
 
-def residual_layer(
-    stream: Stream, windows: Windows, max_error: float, device: Device, exact_views: bool = False
-) -> bytes:
-    """The payload of the residual layer that brings an opened stream to the picture of `windows`, but for `max_error`
-    levels; floats by so much. Alpha of 8 and 16 bits is exact. A layer that the stream has is left aside.
-    exact_views: whether it shows every view.
+@dataclass(frozen=True)
+class Layer:
+    """What a residual layer brings a stream to: the picture of `windows` but for `max_error` levels; floats by so much.
+    Alpha of 8 and 16 bits is exact. exact_views: whether it shows every view. cells [rows, columns]: where it does, if
+    not everywhere. is_off: whether samples of `windows` are off by so much already.
+    """
+
+    windows: Windows
+    max_error: float
+    exact_views: bool = False
+    cells: Cells | None = None
+    is_off: bool = False
+
+    def form(self, header: Header, rects: Iterable[Rect]) -> bytes:
+        """What it states of all blocks, by these."""
+        windows = (self._shown(rect) for rect in rects)
+        states = {"exact_views": self.exact_views, "has_cells": self.cells is not None, "is_off": self.is_off}
+        return residual_form(header, windows, self.max_error, **states)
+
+    def of(self, rect: Rect) -> Cells:
+        """Which cells of a block it shows."""
+        return np.ones(cells_shape(*rect[2:]), np.bool_) if self.cells is None else self.cells[cells_in(rect)]
+
+    def _shown(self, rect: Rect) -> NDArray[Any]:
+        """Pixels that it shows of a block: of cells, one below the other."""
+        pixels = self.windows.read(*rect).pixels
+        return pixels if self.cells is None else stacked_cells(pixels, self.cells[cells_in(rect)])
+
+
+def residual_layer(stream: Stream, layer: Layer, device: Device) -> bytes:
+    """The payload of a residual layer for an opened stream. A layer that the stream has is left aside.
 
     Raises PictureError for a picture that is not the stream's.
     """
     header, stream.lossy = stream.header, True
-    _check_shape(header, windows)
-    form = residual_form(header, (windows.read(*rect).pixels for rect in block_rects(header)), max_error, exact_views)
+    _check_shape(header, layer.windows)
+    form = layer.form(header, block_rects(header))
     blocks, whole = [], encode_header(header)
     with ThreadPoolExecutor(device.cores) as pool:
         waiting: deque[Future[_Block]] = deque()
         for rect in block_rects(header):
-            given, drawn = _samples(windows.read(*rect).pixels), _samples(stream.picture(rect).pixels)
-            waiting.append(pool.submit(_coded, given, drawn, whole, form))
+            given, drawn = _samples(layer.windows.read(*rect).pixels), _samples(stream.picture(rect).pixels)
+            waiting.append(pool.submit(_coded, given, drawn, whole, form, layer.of(rect)))
             if len(waiting) > device.cores:
                 blocks.append(waiting.popleft().result())
         blocks += [block.result() for block in waiting]
     table = [encode_varint(len(block.data)) + block.crc.to_bytes(_CRC_BYTES, "little") for block in blocks]
     return b"".join([form, *table, *(block.data for block in blocks)])
+
+
+def bits_of_blocks(header: Header, layer: Layer, rects: Iterable[Rect]) -> float:
+    """What a residual layer takes of these blocks, whatever is drawn below."""
+    rects, bits = list(rects), 0.0
+    form, whole = layer.form(header, rects), encode_header(header)
+    for rect in rects:
+        block = _samples(layer.windows.read(*rect).pixels)
+        coded, ones, _ = _native.code_residual(block, np.zeros_like(block), whole, form, _flags(layer.of(rect)))
+        bits -= float(np.log2(np.where(coded, ones, 65536 - ones) / 65536).sum())
+    return bits
 
 
 class _Block(NamedTuple):
@@ -56,9 +97,17 @@ class _Block(NamedTuple):
     crc: int
 
 
-def _coded(samples: NDArray[np.float32], drawn: NDArray[np.float32], header: bytes, form: bytes) -> _Block:
-    bits, ones, crc = _native.code_residual(samples, drawn, header, form)
+def _coded(
+    samples: NDArray[np.float32], drawn: NDArray[np.float32], header: bytes, form: bytes, cells: Cells
+) -> _Block:
+    if not cells.any():
+        return _Block(b"", zlib.crc32(drawn.tobytes()))
+    bits, ones, crc = _native.code_residual(samples, drawn, header, form, _flags(cells))
     return _Block(range_coded(bits, ones), crc)
+
+
+def _flags(cells: Cells) -> NDArray[np.uint8]:
+    return cells.ravel().astype(np.uint8)
 
 
 def _samples(pixels: NDArray[Any]) -> NDArray[np.float32]:

@@ -43,9 +43,18 @@ class _Grid:
 
 
 def residual_form(
-    header: Header, windows: Iterable[NDArray[Any]], max_error: float, exact_views: bool = False
+    header: Header,
+    windows: Iterable[NDArray[Any]],
+    max_error: float,
+    *,
+    exact_views: bool = False,
+    has_cells: bool = False,
+    is_off: bool = False,
 ) -> bytes:
-    """What a residual layer states of all its blocks, by the samples [h, w, C] of all windows of its picture."""
+    """What a residual layer states of all its blocks, by the samples [h, w, C] of all windows of its picture; the rest
+    as in `Layer`.
+    """
+    stated, max_error = max_error, 0 if is_off else max_error
     is_float = header.sample_type == "float32"
     channels: list[_Floats | _Integers] = [(_Floats if is_float else _Integers)() for _ in range(header.spec.channels)]
     alpha, repeats, palette = alpha_index(header.channels), Repeats(), _Palette()
@@ -70,7 +79,7 @@ def residual_form(
         grids = [channel.exact_grid() for channel in channels]
     found = [grid for grid in grids if grid is not None]
     has_palette = palette.is_small(repeats.pixels) and not any(grid.max_error for grid in found)
-    head = struct.pack("<d", max_error) + encode_varint(has_bits + 2 * exact_views + 4 * has_palette)
+    head = struct.pack("<d", stated) + encode_varint(has_bits + 2 * exact_views + 4 * has_palette + 8 * has_cells)
     return head + b"".join(grid.encode() for grid in found) + (palette.encode(found) if has_palette else b"")
 
 
@@ -102,7 +111,7 @@ class Repeats:
         return 2 * self._others < self.pixels
 
 
-_PIXELS_OF_COLOUR = 1000
+_PIXELS_OF_COLOUR = 500
 """Without as many, a palette takes more than it saves: 0.6 kB of a page of 384×384 pixels in 200 colours."""
 
 

@@ -27,21 +27,49 @@ def block(
     nodata: list[float | None],
     code: Code,
     palette: list[list[int]] | None = None,
+    has_cells: bool = False,
 ) -> NDArray[np.float32]:
     """Samples [h, w, C] of a block. order: channels as they are coded; grids: base, step, largest value and greatest
-    error of each channel; nodata: that of each channel; palette: values of each
-    colour.
+    error of each channel; nodata: that of each channel; palette: values of each colour; has_cells: whether not all
+    cells are coded.
     """
-    height, width, count = drawn.shape
+    height, width, _ = drawn.shape
+    outside = _outside(height, width, code) if has_cells else np.zeros((height, width, 1), bool)
     if palette:
-        nothing = np.zeros((height, width, 1), F32)
-        number = block(nothing, [0], [(0.0, 1.0, len(palette) - 1, 0)], False, [None], code)[..., 0].astype(int)
+        nothing, numbers = np.zeros((height, width, 1), F32), [(0.0, 1.0, len(palette) - 1, 0)]
+        number = _coded(nothing, outside, [0], numbers, False, [None], code)[..., 0].astype(int)
         bases, steps = np.array([grid[:2] for grid in grids]).T
-        return (bases + steps * np.array(palette)[number]).astype(F32)
+        return np.where(outside, drawn, (bases + steps * np.array(palette)[number]).astype(F32))
+    return _coded(drawn, outside, order, grids, has_bits, nodata, code)
+
+
+def _outside(height: int, width: int, code: Code) -> NDArray[np.bool_]:
+    cells = np.zeros((-(-height // 16) + 1, -(-width // 16) + 2), int)  # with those above, left and right of all
+    models: dict[int, tuple[int, int]] = {}
+    for y in range(1, cells.shape[0]):
+        for x in range(1, cells.shape[1] - 1):
+            context = cells[y, x - 1] + 2 * cells[y - 1, x] + 4 * cells[y - 1, x + 1]
+            p, seen = models.get(context, (32768, 0))
+            cells[y, x] = code(min(65520, max(16, p)))
+            models[context] = _adapted(p, seen, cells[y, x])
+    return np.kron(cells[1:, 1:-1], np.ones((16, 16), int))[:height, :width, None] == 0
+
+
+def _coded(
+    drawn: NDArray[np.float32],
+    outside: NDArray[np.bool_],
+    order: list[int],
+    grids: list[tuple[float, float, int, int]],
+    has_bits: bool,
+    nodata: list[float | None],
+    code: Code,
+) -> NDArray[np.float32]:
+    height, width, count = drawn.shape
     held = ~np.isfinite(drawn)
     for c in range(count):
         held[..., c] |= drawn[..., c] == nodata[c] if nodata[c] is not None else False
     shown = np.stack([_on_grid(drawn[..., c], held[..., c], *grids[c][:3]) for c in range(count)], axis=2)
+    held |= outside
     values = np.zeros((height, width, count), int)
     channels = [_Channel(k, shown[..., c], 2 * grids[c][3] + 1, grids[c][2]) for k, c in enumerate(order)]
     models = [_Models() for _ in range(min(3, len(order)))]

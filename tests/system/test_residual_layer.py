@@ -23,7 +23,7 @@ from sgicodec.bitstream.rewriting import rewrite_stream
 from sgicodec.decoder.stream import open_stream
 from sgicodec.device import Device
 from sgicodec.encoder.input.windows import windows_of
-from sgicodec.encoder.residual import residual_layer
+from sgicodec.encoder.residual import Layer, residual_layer
 from sgicodec.encoder.residual_grids import residual_form
 from sgicodec.errors import CorruptStreamError, PictureError, StreamError, UsageError
 
@@ -167,18 +167,92 @@ def means(rows: NDArray[np.float64], start: float, step: float, count: int) -> N
 
 
 @pytest.mark.parametrize(
-    ("settings", "is_exact"),
-    [({}, True), ({"quality": 45}, True), ({"lmbda": 0.01}, False), ({"psnr": 25}, False), ({"max_error": 3}, True)],
+    ("settings", "max_error"),
+    [({}, 0), ({"quality": 45}, 0), ({"lmbda": 0.01}, None), ({"psnr": 25}, None), ({"max_error": 3}, 3)],
 )
-def test_text_is_coded_without_loss(settings: dict[str, float], is_exact: bool) -> None:
+def test_text_is_shown_by_the_layer(settings: dict[str, float], max_error: float | None) -> None:
     page = Picture(text(300, 200), "rgb", (0.0, 255.0))
     data = encode_picture(page, EncodeSettings(steps=20, **settings)).data
     with open_stream(data) as stream:
-        assert (stream.picture().pixels == page.pixels).all() == is_exact
-        assert not is_exact or stream.survey().seeds < 3
+        assert stream.max_error == max_error
+        assert (stream.picture().pixels == page.pixels).all() == (max_error is not None)
+        assert max_error is None or stream.survey().seeds < 3
     photograph = encode_picture(KINDS["rgb8"], EncodeSettings(steps=20)).data
     with open_stream(photograph) as stream:
         assert stream.max_error is None
+
+
+def test_colours_of_text_are_merged_by_quality() -> None:
+    """A lower quality has fewer colours and bytes; the letters' own colour and the ground stay."""
+    soft = text(300, 200).astype(int)
+    soft += np.random.default_rng(1).integers(0, 12, soft.shape) * ((soft > 10) & (soft < 250))
+    page, sizes = Picture(soft.astype(np.uint8), "rgb", (0.0, 255.0)), []
+    for quality, expected in ((100, 0), (80, 1), (50, 7), (20, 11)):
+        data = encode_picture(page, EncodeSettings(quality=quality)).data
+        with open_stream(data) as stream:
+            assert stream.max_error == expected
+            found = stream.picture().pixels.astype(int)
+        assert np.abs(found - soft).max() == expected
+        np.testing.assert_array_equal(found[soft == 255], 255)
+        sizes.append(len(data))
+    assert sizes == sorted(sizes, reverse=True)
+
+
+@pytest.fixture(scope="module")
+def mixed() -> Picture:
+    """A photograph, and text to its right and below."""
+    pixels = text(624, 560)
+    pixels[:400, :288] = np.tile(photo(288, 200), (2, 1, 1))
+    return Picture(pixels, "rgb", (0.0, 255.0))
+
+
+@pytest.fixture(scope="module", params=[0, 256])
+def mixed_stream(mixed: Picture, request: pytest.FixtureRequest) -> bytes:
+    return encode_picture(mixed, EncodeSettings(steps=20, tile=request.param, effort=1)).data
+
+
+def test_text_beside_a_photograph(mixed: Picture, mixed_stream: bytes) -> None:
+    """Both by their own means: no sample of text is off, in any view; the photograph is as without it."""
+    with open_stream(mixed_stream) as stream:
+        assert (stream.max_error, stream.graphics_error, stream.has_exact_views) == (None, 0, True)
+        found = stream.picture().pixels
+        half, twice = stream.picture(scale=0.5).pixels, stream.picture((0, 380, 624, 60), scale=2.0).pixels
+        stream.lossy = True
+        bare, bare_half = stream.picture().pixels, stream.picture(scale=0.5).pixels
+    text_only = np.s_[400:], np.s_[:, 288:]
+    for part in text_only:
+        np.testing.assert_array_equal(found[part], mixed.pixels[part])
+    means_of_two = mixed.pixels.reshape(280, 2, 312, 2, 3).mean(axis=(1, 3))
+    assert np.abs(half[200:] - means_of_two[200:]).max() <= 0.5
+    np.testing.assert_array_equal(twice[40:], mixed.pixels[400:440].repeat(2, axis=0).repeat(2, axis=1))
+    photograph = np.s_[:400, :288]
+    np.testing.assert_array_equal(found[photograph], bare[photograph])
+    np.testing.assert_array_equal(half[:200, :144], bare_half[:200, :144])
+    assert 1 < np.abs(found[photograph].astype(float) - mixed.pixels[photograph]).mean() < 15
+    steps = [np.abs(np.diff(pixels[420:].astype(int), axis=1)).mean() for pixels in (bare, mixed.pixels)]
+    assert steps[0] < steps[1] / 20
+
+
+@pytest.mark.parametrize("isa", ISAS)
+def test_regions_of_mixed_pictures(mixed_stream: bytes, isa: str) -> None:
+    """Any part, band or number of threads shows what the whole does."""
+    with open_stream(mixed_stream, Device(1, isa)) as stream:
+        whole, wide = stream.picture().pixels, stream.picture(scale=2.0).pixels
+    with open_stream(mixed_stream, Device(3, isa)) as stream:
+        for x, y, width, height in ((0, 0, 40, 40), (290, 390, 60, 30), (505, 500, 20, 20), (0, 0, 624, 560)):
+            part = np.s_[y : y + height, x : x + width]
+            np.testing.assert_array_equal(stream.picture((x, y, width, height)).pixels, whole[part])
+            part = np.s_[2 * y : 2 * (y + height), 2 * x : 2 * (x + width)]
+            np.testing.assert_array_equal(stream.picture((x, y, width, height), scale=2.0).pixels, wide[part])
+        around = stream.picture((-5, -4, 20, 10), boundless=True, scale=2.0).pixels
+        np.testing.assert_array_equal(around[8:, 10:], wide[:12, :30])
+
+
+def test_a_photograph_with_a_flat_frame_is_one() -> None:
+    pixels = np.full((300, 400, 3), 255, np.uint8)
+    pixels[48:250, 48:348] = photo(300, 202)
+    with open_stream(encode_picture(Picture(pixels, "rgb", (0.0, 255.0)), EncodeSettings(steps=20)).data) as stream:
+        assert not stream.has_exact_views
 
 
 def test_text_with_alpha_has_no_exact_views() -> None:
@@ -258,7 +332,7 @@ def test_it_is_taken_off_and_added_again(wide: Picture, exact: bytes) -> None:
     rewrite_stream(io.BytesIO(exact), lossy, None)
     assert lossy.getvalue() == encode_picture(wide, replace(QUICK, tile=256, overview=True)).data
     with open_stream(lossy.getvalue()) as stream:
-        layer = residual_layer(stream, windows_of(wide), 0, Device(2))
+        layer = residual_layer(stream, Layer(windows_of(wide), 0), Device(2))
     assert rewrite_stream(lossy, again, layer) == len(exact)
     assert again.getvalue() == exact
 
@@ -266,7 +340,7 @@ def test_it_is_taken_off_and_added_again(wide: Picture, exact: bytes) -> None:
 def test_a_layer_for_another_picture_is_refused(wide: Picture, exact: bytes) -> None:
     other = replace(wide, pixels=wide.pixels[:, :-1])
     with open_stream(exact) as stream, pytest.raises(PictureError, match="589×530 pixels"):
-        residual_layer(stream, windows_of(other), 0, Device(1))
+        residual_layer(stream, Layer(windows_of(other), 0), Device(1))
 
 
 def test_errors_that_make_no_sense() -> None:
@@ -308,6 +382,8 @@ def test_damage_is_found() -> None:
         (8, b"\1", "flags"),
         (8, b"\4", "flags"),
         (8, b"\6", "palette"),
+        (8, b"\12", "block"),
+        (8, b"\20", "flags"),
         (8, b"\10", "flags"),
         (9, struct.pack("<d", -1.0), "grid"),
         (9, struct.pack("<d", 0.5), "grid"),
@@ -333,6 +409,7 @@ def test_two_layers_are_refused() -> None:
         open_stream(join(twice))
 
 
+@pytest.mark.parametrize("has_cells", [False, True])
 @pytest.mark.parametrize(
     ("name", "most", "repeats"),
     [
@@ -348,7 +425,7 @@ def test_two_layers_are_refused() -> None:
         ("wild floats", 0, 1),
     ],
 )
-def test_it_is_as_the_page_of_the_format_says(name: str, most: float, repeats: int) -> None:
+def test_it_is_as_the_page_of_the_format_says(name: str, most: float, repeats: int, has_cells: bool) -> None:
     """Probabilities and samples, by an implementation of the page; repeats: so large that it has a palette."""
     whole = KINDS[name]
     part = slice(2, 23), slice(2, 53)
@@ -356,8 +433,13 @@ def test_it_is_as_the_page_of_the_format_says(name: str, most: float, repeats: i
     with open_stream(encode_picture(picture, QUICK).data) as stream:
         drawn, header = stream.picture().pixels.astype(np.float32), stream.header
     samples = picture.pixels.astype(np.float32)
-    form = residual_form(header, [picture.pixels] * repeats, most, exact_views=repeats > 1)
-    bits, ones, crc = _native.code_residual(samples, drawn, encode_header(header), form)
+    if has_cells and (header.masked or header.has_exact):
+        return
+    cells = np.array([1, 0, 0, 1, 1, 1, 0, 1][: len(range(2, 23, 16)) * -(-samples.shape[1] // 16)], np.uint8)
+    cells |= not has_cells
+    views = {"exact_views": repeats > 1 or has_cells, "has_cells": has_cells}
+    form = residual_form(header, [picture.pixels] * repeats, most, **views)
+    bits, ones, crc = _native.code_residual(samples, drawn, encode_header(header), form, cells)
     expected = iter(zip(bits.tolist(), ones.tolist(), strict=True))
 
     def code(one: int) -> int:
@@ -373,7 +455,7 @@ def test_it_is_as_the_page_of_the_format_says(name: str, most: float, repeats: i
     palette, at = palette_of(form, at, len(order)) if form[8] & 4 else ([], at)
     assert at == len(form)
     assert bool(palette) == (repeats > 1)
-    found = reference_residual.block(drawn, order, grids, form[8] & 1 == 1, nodata, code, palette)
+    found = reference_residual.block(drawn, order, grids, form[8] & 1 == 1, nodata, code, palette, has_cells)
     assert next(expected, None) is None
     assert zlib.crc32(found.astype("<f4").tobytes()) == crc
 

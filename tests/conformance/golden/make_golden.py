@@ -90,6 +90,8 @@ def pictures() -> dict[str, tuple[Picture, EncodeSettings]]:
             replace(quick, max_error=0),
         ),
         "rgb8-drawing-lossless": (drawing(), EncodeSettings(max_error=0)),
+        "rgb8-mixed": (beside_text(forest, 6), replace(luma, quality=60)),
+        "rgb8-tiles-mixed": (beside_text(forest, 99), replace(luma, quality=70, tile=100, overview=True)),
         "float-tiles-lossless": (bare_floats(small[:48, :64], curved=True), replace(quick, tile=32, max_error=0)),
         "float-near": (bare_floats(small[:48, :64], curved=True), replace(quick, max_error=0.01)),
         "one-pixel": (Picture(small[:1, :1], "rgb", (0.0, 255.0)), quick),
@@ -101,6 +103,21 @@ def drawing() -> Picture:
     y, x = np.mgrid[:90, :130]
     pixels = np.stack([x // 9 * y // 7 % 2 * 90, (x + y) // 11 % 2 * 255, (x // 17 + y // 5) % 2 * 60], axis=2)
     return Picture(np.ascontiguousarray(pixels.astype(np.uint8)), "rgb", (0.0, 255.0))
+
+
+def beside_text(photo: np.ndarray, colours: int) -> Picture:
+    """A photograph with lines of letters in so many colours to its right and below, on light ground."""
+    height, width = photo.shape[0] + 40, photo.shape[1] + 100
+    rng = np.random.default_rng(8)
+    letters = rng.choice([0, 0, 0, 0, 1, 0.7, 0.4, 0.2], (9, 8, 6))
+    letters[:, :, 5:] = letters[:, 7:] = 0
+    lines = (
+        letters[rng.integers(0, 9, (height // 8, width // 6 + 1))].transpose(0, 2, 1, 3).reshape(height // 8 * 8, -1)
+    )
+    ink = rng.integers(0, 160, (colours, 3))[np.arange(height // 8 * 8)[:, None] // 8 * 7 % colours]
+    page = np.rint(240 + (ink - 240) * lines[..., None])[:height, :width].astype(np.uint8)
+    page[: photo.shape[0], : photo.shape[1]] = photo
+    return Picture(page, "rgb", (0.0, 255.0))
 
 
 def bare_bands(photo: np.ndarray) -> Picture:

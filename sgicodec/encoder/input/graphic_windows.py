@@ -1,0 +1,128 @@
+"""A picture whose text and line art looks otherwise: with fewer colours, or not at all."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sgicodec.encoder.graphic_cells import CELL, Cells, ColourCounts, cells_in, colour_keys, pixels_in_cells
+from sgicodec.encoder.input.windows import Windows
+from sgicodec.model.tile_grid import Rect
+from sgicodec.picture import Picture
+
+__all__ = ["with_fewer_colours", "without_cells"]
+
+F32 = NDArray[np.float32]
+
+
+def with_fewer_colours(windows: Windows, cells: Cells, counts: ColourCounts, max_error: int) -> tuple[Windows, int]:
+    """A picture whose samples in these cells [rows, columns] are off by `max_error` at most, so that there are fewer
+    colours, and by how much they are. Colours whose pixels lie elsewhere than at edges stay: grounds, gradients.
+    """
+    channels = windows.shape.bands
+    colours = np.stack([counts.keys >> 16 * (channels - 1 - c) & 0xFFFF for c in range(channels)], axis=1)
+    shown = _merged(colours, counts, max_error)
+    off = int(np.abs(shown - colours).max(initial=0))
+    return (_Merged(windows, cells, counts.keys, shown) if off else windows), off
+
+
+def without_cells(windows: Windows, cells: Cells, means: F32) -> Windows:
+    """A picture whose cells [rows, columns] are filled smoothly from what is around them. means [rows, columns, C]: of
+    the samples of each cell.
+    """
+    return _Filled(windows, cells, _filled(means, ~cells))
+
+
+def _merged(colours: NDArray[np.int64], counts: ColourCounts, max_error: int) -> NDArray[np.int64]:
+    """What is shown instead of each colour [n, C]: the most frequent one that no sample is further from, beginning with
+    the most frequent.
+    """
+    shown, left = colours.copy(), np.argsort(-counts.pixels, kind="stable")
+    is_soft = 2 * counts.at_edges < counts.pixels
+    while left.size and max_error:
+        near = np.abs(colours[left] - colours[left[0]]).max(axis=1) <= max_error
+        near[1:] &= ~is_soft[left[1:]]
+        shown[left[near]] = colours[left[0]]
+        left = left[~near]
+    return shown
+
+
+class _View:
+    """A picture whose cells of text and line art look otherwise."""
+
+    def __init__(self, windows: Windows, cells: Cells) -> None:
+        self._windows, self._cells = windows, cells
+        self.shape, self.page, self.memory, self.digest = windows.shape, windows.page, windows.memory, windows.digest
+
+    def read(self, x: int, y: int, width: int, height: int) -> Picture:
+        """As `Windows`."""
+        picture = self._windows.read(x, y, width, height)
+        rect = (x, y, width, height)
+        inside = pixels_in_cells(self._cells[cells_in(rect)], picture.pixels.shape, x % CELL, y % CELL)
+        if not inside.any():
+            return picture
+        pixels = picture.pixels.copy()
+        pixels[inside] = self._shown(pixels, inside, rect)
+        return replace(picture, pixels=pixels)
+
+    def _shown(self, pixels: NDArray[Any], inside: Cells, rect: Rect) -> NDArray[Any]:
+        """Samples [n, C] of the pixels inside."""
+        raise NotImplementedError
+
+
+class _Merged(_View):
+    """With few colours: of `keys`, ascending [n], those that are shown instead [n, C]."""
+
+    def __init__(self, windows: Windows, cells: Cells, keys: NDArray[np.int64], shown: NDArray[np.int64]) -> None:
+        super().__init__(windows, cells)
+        self._keys, self._colours = keys, shown
+
+    def _shown(self, pixels: NDArray[Any], inside: Cells, rect: Rect) -> NDArray[Any]:
+        given = pixels[inside]
+        wanted = colour_keys(given)
+        places = np.minimum(np.searchsorted(self._keys, wanted), len(self._keys) - 1)
+        return np.where((self._keys[places] == wanted)[:, None], self._colours[places], given)
+
+
+class _Filled(_View):
+    """Filled smoothly, between means of cells [rows, columns, C]."""
+
+    def __init__(self, windows: Windows, cells: Cells, means: F32) -> None:
+        super().__init__(windows, cells)
+        self._means = means
+
+    def _shown(self, pixels: NDArray[Any], inside: Cells, rect: Rect) -> NDArray[Any]:
+        y, x = np.nonzero(inside)
+        found = np.zeros((len(y), pixels.shape[2]), np.float32)
+        top, bottom, low = _between(rect[1] + y, CELL, self._means.shape[0])
+        left, right, far = _between(rect[0] + x, CELL, self._means.shape[1])
+        for row, down in ((top, 1 - low), (bottom, low)):
+            for column, across in ((left, 1 - far), (right, far)):
+                found += self._means[row, column] * (down * across)[:, None]
+        return np.rint(found)
+
+
+def _between(places: NDArray[np.int_], size: int, count: int) -> tuple[NDArray[np.int_], NDArray[np.int_], F32]:
+    """The two of `count` cells of a size between whose middles places along an axis lie, and how near to the second."""
+    at = np.clip((places + 0.5) / size - 0.5, 0, count - 1)
+    first = at.astype(np.int_)
+    return first, np.minimum(first + 1, count - 1), (at - first).astype(np.float32)
+
+
+def _filled(means: F32, known: Cells) -> F32:
+    """Means [rows, columns, C] where they are known, and elsewhere those of ever wider surroundings."""
+    if known.all() or known.size == 1:
+        return means
+    rows, columns, channels = means.shape
+    pad, shape = ((0, rows % 2), (0, columns % 2)), ((rows + 1) // 2, 2, (columns + 1) // 2, 2)
+    count = np.pad(known, pad).reshape(shape).sum(axis=(1, 3))
+    total = np.pad(means * known[..., None], (*pad, (0, 0))).reshape(*shape, channels).sum(axis=(1, 3))
+    coarse = _filled((total / np.maximum(count, 1)[..., None]).astype(np.float32), count > 0)
+    top, bottom, low = _between(np.arange(rows), 2, coarse.shape[0])
+    left, right, far = _between(np.arange(columns), 2, coarse.shape[1])
+    across = coarse[:, left] * (1 - far)[None, :, None] + coarse[:, right] * far[None, :, None]
+    wide = across[top] * (1 - low)[:, None, None] + across[bottom] * low[:, None, None]
+    return np.where(known[..., None], means, wide).astype(np.float32)
