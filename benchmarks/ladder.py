@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from benchmarks._turns import median_seconds
 from sgicodec import EncodeSettings, Picture, encode_picture, read
+from sgicodec._native import keep_freed_memory
 from sgicodec.bench.codec import Pixels8
 from sgicodec.bench.peer import Peer
 from sgicodec.bench.peers import AvifIq, JpegXl
@@ -134,6 +135,7 @@ def main(
     """Encode 8-bit colour PICTURES with every effort and print, as Markdown, bytes at the mean score of the first
     effort, and how many bytes a doubling of the seconds saves.
     """
+    keep_freed_memory()  # as the command does
     wanted = tuple(float(quality) for quality in qualities.split(","))
     device = Device(threads)
     rungs = [sgi_rung(int(effort), wanted, device) for effort in efforts.split(",")]

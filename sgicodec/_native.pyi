@@ -406,9 +406,9 @@ class TextureAmplitudes:
     def __init__(self, planes: Annotated[NDArray[numpy.float32], dict(shape=(None, None, None), order='C', device='cpu', writable=False)], size: tuple[int, int], threads: int, colours: Sequence[int]) -> None:
         """planes [C, 32 h, 32 w] in opponent colours."""
 
-    def move(self, gradient: Annotated[NDArray[numpy.float32], dict(shape=(None, None, None), order='C', device='cpu', writable=False)], contrast: Annotated[NDArray[numpy.int8], dict(shape=(None, None), order='C', device='cpu', writable=False)], steps: Annotated[NDArray[numpy.float32], dict(shape=(None,), order='C', device='cpu', writable=False)], slope: tuple[float, float], mean: float, most: float) -> None:
+    def move(self, gradient: Annotated[NDArray[numpy.float32], dict(shape=(None, None, None), order='C', device='cpu', writable=False)], contrast: Annotated[NDArray[numpy.int8], dict(shape=(None, None), order='C', device='cpu', writable=False)], steps: Annotated[NDArray[numpy.float32], dict(shape=(None,), order='C', device='cpu', writable=False)], slope: tuple[float, float], mean: float, most: float, division: Annotated[NDArray[numpy.uint8], dict(shape=(None, None), order='C', device='cpu', writable=False)] | None = ...) -> None:
         """
-        Moves them up a gradient, [C, 32 h, 32 w] of the roots, in the mean by `mean` of a step, at most by `most`.
+        Moves them up a gradient, [C, 32 h, 32 w] of the roots, in the mean by `mean` of a step, at most by `most`; with log2 of the sides of a layer's cells [4 h, 4 w], those alone.
         """
 
     def shown(self, log_size: Annotated[NDArray[numpy.uint8], dict(shape=(None, None), order='C', device='cpu', writable=False)], symbols: Annotated[NDArray[numpy.int16], dict(shape=(None, None, None), order='C', device='cpu', writable=False)]) -> Annotated[NDArray[numpy.float32], dict(shape=(None, None, None))]:

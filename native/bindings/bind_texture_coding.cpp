@@ -97,6 +97,17 @@ std::array<size_t, 2> require_contrasts(const sgi::TextureAmplitudes &amplitudes
   return {down, across};
 }
 
+// Cells of a layer that suit the amplitudes, null for none given.
+const uint8_t *require_division(const sgi::TextureAmplitudes &amplitudes, const std::optional<LogSizes> &division) {
+  if (!division) return nullptr;
+  const int64_t across = amplitudes.width >> sgi::kTextureRoot, down = amplitudes.height >> sgi::kTextureRoot;
+  require(has_shape(*division, size_t(4 * down), size_t(4 * across)), "division [4 h, 4 w] of the roots");
+  TextureField field(across, down, 1);
+  std::copy_n(division->data(), division->size(), field.log_size.begin());
+  require_tree(field);
+  return division->data();
+}
+
 class TextureModels {
  public:
   TextureModels() : models_(sgi::fresh_texture_models()) {}
@@ -139,17 +150,11 @@ class TextureModels {
     const auto [down, across] = require_contrasts(amplitudes, contrast, steps);
     require(lmbda >= 0, "lmbda must not be negative");
     require(doubt >= 1, "doubt must be at least 1");
-    if (division) {
-      require(has_shape(*division, 4 * down, 4 * across), "division [4 h, 4 w] of the roots");
-      TextureField field(int64_t(across), int64_t(down), 1);
-      std::copy_n(division->data(), division->size(), field.log_size.begin());
-      require_tree(field);
-    }
+    const uint8_t *const cells = require_division(amplitudes, division);
     const sgi::TextureSteps all = steps_of(steps, slope);
     sgi::TextureFound found = [&] {
       nb::gil_scoped_release release;
-      return sgi::search_texture(models_, amplitudes, contrast.data(), all, {lmbda, has_contrast, doubt},
-                                 division ? division->data() : nullptr);
+      return sgi::search_texture(models_, amplitudes, contrast.data(), all, {lmbda, has_contrast, doubt}, cells);
     }();
     return std::tuple(sgi::field_arrays(std::move(found.field)), found.bits, found.count, found.excess,
                       as_array<float>(std::move(found.cost), std::array{down, across}));
@@ -195,13 +200,15 @@ auto cheapest_colours(Array<const float, 3> planes, Contrasts contrast, Array<co
 }
 
 void move_amplitudes(sgi::TextureAmplitudes &amplitudes, Array<const float, 3> gradient, Contrasts contrast,
-                     Array<const float, 1> steps, std::pair<float, float> slope, float mean, float most) {
+                     Array<const float, 1> steps, std::pair<float, float> slope, float mean, float most,
+                     std::optional<LogSizes> division) {
   require_planes(gradient, {amplitudes.tile_width, amplitudes.tile_height});
   require(int(gradient.shape(0)) == amplitudes.channels, "a gradient of as many channels");
   require_contrasts(amplitudes, contrast, steps);
+  const uint8_t *const cells = require_division(amplitudes, division);
   const sgi::TextureSteps all = steps_of(steps, slope);
   nb::gil_scoped_release release;
-  amplitudes.move(gradient.data(), contrast.data(), all, mean, most);
+  amplitudes.move(gradient.data(), contrast.data(), all, mean, most, cells);
 }
 
 auto shown_amplitudes(const sgi::TextureAmplitudes &amplitudes, LogSizes log_size, SymbolPlanes symbols) {
@@ -252,8 +259,9 @@ void bind_texture_coding(nb::module_ &m) {
           },
           "planes"_a, "size"_a, "threads"_a, "colours"_a, "planes [C, 32 h, 32 w] in opponent colours.")
       .def("move", &move_amplitudes, "gradient"_a, "contrast"_a, "steps"_a, "slope"_a, "mean"_a, "most"_a,
+           "division"_a = nb::none(),
            "Moves them up a gradient, [C, 32 h, 32 w] of the roots, in the mean by `mean` of a step, at most by "
-           "`most`.")
+           "`most`; with log2 of the sides of a layer's cells [4 h, 4 w], those alone.")
       .def("shown", &shown_amplitudes, "log_size"_a, "symbols"_a,
            "Those for which a layer has symbols that are not 0 [C, 32 h, 32 w], where its cells have their pixels.");
   m.def("texture_cells", &texture_cells, "log_size"_a, "contrast"_a, "symbols"_a, "steps"_a, "slope"_a, "excess"_a,

@@ -46,9 +46,12 @@ const std::vector<int16_t> &texture_scan(int log) {
 }
 
 int last_diagonal(const int16_t *values, int log) {
-  const std::vector<int16_t> &scan = texture_scan(log);
-  const auto found = std::find_if(scan.rbegin(), scan.rend(), [&](int index) { return values[index] != 0; });
-  return found == scan.rend() ? -1 : (*found & ((1 << log) - 1)) + (*found >> log);
+  const int side = 1 << log;
+  int last = -1;
+  for (int v = 0; v < side; ++v)
+    for (int u = side - 1; u >= 0 && u + v > last; --u)
+      if (values[v * side + u]) last = u + v;
+  return last;
 }
 
 }  // namespace sgi

@@ -45,6 +45,11 @@ struct TextureField {
 
   // Says that a cell holds texture, or with log 0 none.
   void mark(const TextureCell &cell, int log);
+  // A diagonal of a cell's channel beyond which there are no symbols, -1 where there are none.
+  int last_at_most(int channel, const TextureCell &cell) const {
+    const int reach = extent[size_t(channel * unit_count() + unit(cell.x, cell.y))];
+    return (reach * (2 * cell.side() - 2) + 14) / 15 - 1;
+  }
   // Sets a channel's symbols [n, n] of a cell whose last diagonal with a symbol is `last`, -1 for none.
   void set(const TextureCell &cell, int channel, const int16_t *values, int last);
   // Takes a cell's texture away.

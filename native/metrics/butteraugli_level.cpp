@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <utility>
+#include <vector>
 
 #include "metrics/bands.hpp"
 
@@ -129,18 +130,26 @@ SeenPlanes ButteraugliLevel::see(const BorderedPlanes<3> &light) const {
 BorderedPlane ButteraugliLevel::eroded(const BorderedPlane &mask) const {
   BorderedPlane found = plane();
   const auto [width, height] = size_;
-  each_row([&](int64_t y) {
-    for (int64_t x = 0; x < width; ++x) {
-      const float centre = mask.row(y)[x];
-      float least[3] = {centre, 2 * centre, 2 * centre};
-      for (int64_t v = y - 3; v <= y + 3; v += 3)
-        for (int64_t u = x - 3; u <= x + 3; u += 3) {
-          if ((u == x && v == y) || u < 0 || v < 0 || u >= width || v >= height) continue;
-          float value = mask.row(v)[u];
-          for (float &one : least)
-            if (value < one) std::swap(value, one);
+  each_band(height, threads_, [&, width = width, height = height](int64_t, int64_t begin, int64_t end) {
+    std::vector<float> second(size_t(width), 0.0f), third(second);
+    for (int64_t y = begin; y < end; ++y) {
+      float *const first = found.row(y);
+      for (int64_t x = 0; x < width; ++x) first[x] = mask.row(y)[x], second[x] = third[x] = 2 * first[x];
+      for (int64_t v = std::max(y % 3, y - 3); v <= std::min(y + 3, height - 1); v += 3)
+        for (int64_t by : {-3, 0, 3}) {
+          if (v == y && by == 0) continue;
+          const float *const row = mask.row(v) + by;
+          for (int64_t x = std::max<int64_t>(-by, 0); x < std::min(width, width - by); ++x) {
+            float value = row[x];
+            const auto keep_less = [&](float &one) {
+              const float less = value < one ? value : one;
+              value = value < one ? one : value;
+              one = less;
+            };
+            keep_less(first[x]), keep_less(second[x]), keep_less(third[x]);
+          }
         }
-      found.row(y)[x] = 0.45f * least[0] + 0.3f * least[1] + 0.25f * least[2];
+      for (int64_t x = 0; x < width; ++x) first[x] = 0.45f * first[x] + 0.3f * second[x] + 0.25f * third[x];
     }
   });
   return found;

@@ -54,10 +54,10 @@ std::vector<float> TextureAmplitudes::in_colours(const float *planes, const std:
 }
 
 void TextureAmplitudes::move(const float *gradient, const int8_t *contrast, const TextureSteps &steps, float mean,
-                             float most) {
+                             float most, const uint8_t *log_size) {
   const std::vector<float> mixed = in_colours(gradient, transposed(colours_.matrix()));
   if (!mixed.empty()) gradient = mixed.data();
-  const int64_t plane = width * height, roots = plane >> 2 * kTextureRoot;
+  const int64_t plane = width * height, roots = plane >> 2 * kTextureRoot, units = plane / (kUnit * kUnit);
   std::vector<float> gains(size_t(plane * channels)), root_steps(size_t(roots * channels));
   for (int64_t i = 0; i < roots * channels; ++i) root_steps[i] = steps.of(int(i / roots), contrast[i % roots]);
   for (int size = 0; size < kTextureSizes; ++size) {
@@ -65,7 +65,7 @@ void TextureAmplitudes::move(const float *gradient, const int8_t *contrast, cons
     std::vector<double> sums(channels);
     parallel_for(channels, threads, [&](int64_t channel) {
       float *gain = &gains[channel * plane];
-      analyse_texture(gradient + channel * plane, width, height, log, gain);
+      analyse_texture(gradient + channel * plane, width, height, log, gain, log_size);
       each_row(width, height, log, steps.growth(int(channel), log), &root_steps[channel * roots],
                [&](int64_t at, const float *step) {
                  for (int64_t i = 0; i < kRoot; ++i) sums[channel] += std::abs(gain[at + i] *= step[i]);
@@ -73,7 +73,8 @@ void TextureAmplitudes::move(const float *gradient, const int8_t *contrast, cons
     });
     double sum = 0;
     for (const double one : sums) sum += one;
-    const double unit = mean * double(plane * channels) / sum;
+    const int64_t moved = log_size ? int64_t(kUnit * kUnit) * std::count(log_size, log_size + units, log) : plane;
+    const double unit = mean * double(moved * channels) / sum;
     if (!std::isfinite(unit)) continue;
     parallel_for(channels, threads, [&](int64_t channel) {
       const float *gain = &gains[channel * plane];

@@ -19,8 +19,10 @@ class TextureAmplitudes {
 
   // Moves them up the gradient of a score, planes like those of the constructor, which a layer should not follow far:
   // an amplitude moves by its step times what its step gains, in units in which the mean of that is `mean`, and at most
-  // `most`; one below a step moves as much less. contrast: [roots], indices.
-  void move(const float *gradient, const int8_t *contrast, const TextureSteps &steps, float mean, float most);
+  // `most`; one below a step moves as much less. contrast: [roots], indices; log_size: as in TextureField, of a layer
+  // whose cells alone are moved, null for all.
+  void move(const float *gradient, const int8_t *contrast, const TextureSteps &steps, float mean, float most,
+            const uint8_t *log_size);
 
   // [C, height, width] in opponent colours: those for which a layer has symbols that are not 0, where these are, and 0.
   // log_size, symbols: as in TextureField.

@@ -30,19 +30,22 @@ void TextureSought::scale_beside(const TextureField &field, const TextureCell &c
   scale(field, cell, channel, scaled);
   const float share = amplitudes.share(channel);
   if (share == 0) return;
-  static thread_local CellValues<float> first;
+  CellValues<float> first;
   scale(field, cell, 0, first);
+  const int16_t *symbols = field.at(0, cell);
+  const int side = cell.side(), last = field.last_at_most(0, cell);
+  QuantizerState state;
+  for (const int i : texture_scan(cell.log)) {
+    const int u = i & (side - 1), v = i >> cell.log;
+    if (u + v > last) break;
+    const int symbol = symbols[v * field.width + u];
+    if (symbol) first[i] -= std::copysign(state.magnitude(symbol), float(symbol));
+    state = state.after(symbol);
+  }
   const int at_contrast = contrast(field, cell);
   const float ratio = share * steps.of(0, at_contrast) / steps.of(channel, at_contrast);
   const float *ours = steps.growth(channel, cell.log), *theirs = steps.growth(0, cell.log);
-  const int16_t *symbols = field.at(0, cell);
-  QuantizerState state;
-  for (const int i : texture_scan(cell.log)) {
-    const int symbol = symbols[(i >> cell.log) * field.width + (i & (cell.side() - 1))];
-    const float shown = symbol ? std::copysign(state.magnitude(symbol), float(symbol)) : 0;
-    scaled[i] += ratio * (first[i] - shown) * theirs[i] / ours[i];
-    state = state.after(symbol);
-  }
+  for (int i = 0; i < side * side; ++i) scaled[i] += ratio * first[i] * theirs[i] / ours[i];
 }
 
 float TextureRootSearch::decide(const TextureCell &root, const BitModels &models, std::vector<int> &plan) {
@@ -62,7 +65,7 @@ float TextureRootSearch::cost(const BitContext &context, int bit) const {
 
 // Symbols of a channel and their cost; the field has those of the first one.
 void TextureRootSearch::choose(const TextureCell &cell, int channel, Choice &choice) const {
-  static thread_local CellValues<float> scaled, magnitudes;
+  CellValues<float> scaled, magnitudes;
   const int count = cell.side() * cell.side();
   sought_.scale_beside(field_, cell, channel, scaled);
   for (int i = 0; i < count; ++i) magnitudes[i] = std::abs(scaled[i]);
@@ -87,7 +90,7 @@ float TextureRootSearch::choose_leaf(const TextureCell &cell, std::vector<Choice
 
 // What a cell would cost with symbols that are coded one by one, and without any.
 TextureProspect TextureRootSearch::estimate(const TextureCell &cell) const {
-  static thread_local CellValues<float> scaled;
+  CellValues<float> scaled;
   const SymbolEstimate symbol(sought_.settings.lambda);
   float sum = sought_.settings.lambda * kCellBits;
   double nothing = 0;

@@ -123,16 +123,18 @@ class TextureSearch {
     for (int channel = 0; channel < field().channels; ++channel) {
       for (int row = 0; row < side; ++row)
         std::copy_n(field().at(channel, cell) + row * field().width, side, &values[row * side]);
-      coding_.block(cell, channel, last_diagonal(values.data(), cell.log), values);
-      account(cell, channel, values);
+      const int last = last_diagonal(values.data(), cell.log);
+      coding_.block(cell, channel, last, values);
+      if (last >= 0) account(cell, channel, values, last);
     }
   }
 
-  void account(const TextureCell &cell, int channel, const CellSymbols &values) {
-    static thread_local CellValues<float> scaled;
+  void account(const TextureCell &cell, int channel, const CellSymbols &values, int last) {
+    CellValues<float> scaled;
     sought_.scale_beside(field(), cell, channel, scaled);
     QuantizerState state;
     for (const int i : texture_scan(cell.log)) {
+      if ((i & (cell.side() - 1)) + (i >> cell.log) > last) break;
       const int symbol = values[i];
       if (symbol) {
         const size_t group = std::min(std::abs(symbol), 3) - 1;

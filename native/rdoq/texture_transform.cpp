@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/isa.hpp"
+#include "bitstream/texture_field.hpp"
 #include "model/constants.hpp"
 #include "model/texture_axis.hpp"
 #include "rdoq/texture_transform_kernel.hpp"
@@ -30,10 +31,6 @@ class Atoms {
       }
   }
   int reach() const { return side_ + 2 * kOverlap; }
-  // By 1 for a hard edge on the left, plus 2 on the right.
-  std::array<const float *, 4> of_edges() const {
-    return {values_[0].data(), values_[1].data(), values_[2].data(), values_[3].data()};
-  }
   // Those of the cell that begins at pixel `begin` of `length`.
   const float *of(int64_t begin, int64_t length) const {
     return values_[(begin == 0) | (begin + side_ == length ? 2 : 0)].data();
@@ -49,29 +46,35 @@ const Atoms &atoms(int log) {
   return all[log - kTextureLeast];
 }
 
+// The square of pixels that begins at (x, y), 0 beyond the plane.
+void copy_around(const float *plane, int64_t width, int64_t height, int64_t x, int64_t y, int64_t side, float *out) {
+  const int64_t begin = std::max<int64_t>(-x, 0), end = std::min(side, width - x);
+  for (int64_t j = 0; j < side; ++j, out += side) {
+    std::fill_n(out, side, 0.0f);
+    if (y + j >= 0 && y + j < height)
+      std::copy(plane + (y + j) * width + x + begin, plane + (y + j) * width + x + end, out + begin);
+  }
+}
+
 }  // namespace
 
-void analyse_texture(const float *plane, int64_t width, int64_t height, int log, float *amplitudes) {
+void analyse_texture(const float *plane, int64_t width, int64_t height, int log, float *amplitudes,
+                     const uint8_t *log_size) {
   static const Isa isa = choose_isa("auto");
   const auto &kernel = kernel_for<TextureTransformKernel>(isa);
   const Atoms &all = atoms(log);
-  const int side = 1 << log;
-  const std::array<const float *, 4> along = all.of_edges();
-  std::vector<float> held(size_t(all.reach() * width));
-  std::vector<const float *> rows(size_t(all.reach()));
-  for (int64_t begin = 0; begin < height; begin += side) {
-    for (int j = 0; j < all.reach(); ++j) {
-      const int64_t y = begin - kOverlap + j;
-      float *row = &held[j * width];
-      rows[j] = y < 0 || y >= height ? nullptr : row;
-      if (!rows[j]) continue;
-      if (j >= 2 * kOverlap || begin == 0)
-        kernel.along(plane + y * width, width, side, along.data(), row);
-      else
-        std::copy_n(&held[(j + side) * width], width, row);  // the cells above needed it too
+  const int side = 1 << log, reach = all.reach();
+  std::vector<float> pixels(size_t(reach * reach));
+  for (int64_t y = 0; y < height; y += side)
+    for (int64_t x = 0; x < width; x += side) {
+      float *out = amplitudes + y * width + x;
+      if (log_size && log_size[y / kUnit * (width / kUnit) + x / kUnit] != log) {
+        for (int j = 0; j < side; ++j) std::fill_n(out + j * width, side, 0.0f);
+        continue;
+      }
+      copy_around(plane, width, height, x - kOverlap, y - kOverlap, reach, pixels.data());
+      kernel.transform(pixels.data(), side, all.of(x, width), all.of(y, height), out, width);
     }
-    kernel.down(rows.data(), width, side, all.of(begin, height), amplitudes + begin * width);
-  }
 }
 
 }  // namespace sgi

@@ -1,47 +1,60 @@
-// The lapped transform along one axis, in loops that compilers turn into vectors.
+// The lapped transform of a cell as two products of matrices.
+#include <cstring>
+
+#include "base/inline.hpp"
 #include "model/texture_axis.hpp"
 #include "rdoq/texture_transform_kernel.hpp"
 
 namespace sgi {
 namespace {
 
-constexpr int kOverlap = kTextureOverlap, kAtOnce = 32;  // columns
+constexpr int kRows = LANES == 16 ? 8 : 4;  // of a product at a time, of two vectors of columns: as registers hold
+
+template <int WIDTH>
+struct Vector {
+  typedef float type __attribute__((vector_size(4 * WIDTH)));  // GCC takes no such `using`
+};
+
+// [kRows, WIDTH * COUNT] of a product of a [rows, LENGTH], whose values are so far apart, and b [LENGTH, SIDE].
+template <int LENGTH, int SIDE, int WIDTH, int COUNT>
+SGI_INLINE void multiply_part(const float *a, int row, int column, const float *b, float *out, int64_t stride) {
+  using V = typename Vector<WIDTH>::type;
+  V sums[kRows][COUNT] = {};
+  for (int i = 0; i < LENGTH; ++i) {
+    V values[COUNT];
+    for (int v = 0; v < COUNT; ++v) std::memcpy(&values[v], b + i * SIDE + v * WIDTH, sizeof(V));
+#pragma GCC unroll 8
+    for (int r = 0; r < kRows; ++r)
+      for (int v = 0; v < COUNT; ++v) sums[r][v] += a[r * row + i * column] * values[v];
+  }
+  for (int r = 0; r < kRows; ++r)
+    for (int v = 0; v < COUNT; ++v) std::memcpy(out + r * stride + v * WIDTH, &sums[r][v], sizeof(V));
+}
+
+template <int LENGTH, int SIDE>
+void multiply(const float *a, int rows, int row, int column, const float *b, float *out, int64_t stride) {
+  constexpr int kWidth = SIDE < LANES ? SIDE : LANES, kCount = SIDE / kWidth < 2 ? 1 : 2;
+  for (int x = 0; x < SIDE; x += kWidth * kCount)
+    for (int y = 0; y < rows; y += kRows)
+      multiply_part<LENGTH, SIDE, kWidth, kCount>(a + y * row, row, column, b + x, out + y * stride + x, stride);
+}
 
 template <int SIDE>
-void along_as(const float *row, int64_t width, const float *const *atoms, float *out) {
-  for (int64_t begin = 0; begin < width; begin += SIDE) {
-    const float *values = atoms[(begin == 0) | (begin + SIDE == width ? 2 : 0)];
-    float sums[SIDE] = {};
-    for (int j = 0; j < SIDE + 2 * kOverlap; ++j) {
-      const int64_t x = begin - kOverlap + j;
-      if (x < 0 || x >= width) continue;
-      for (int k = 0; k < SIDE; ++k) sums[k] += row[x] * values[j * SIDE + k];
-    }
-    for (int k = 0; k < SIDE; ++k) out[begin + k] = sums[k];
-  }
+void transform_as(const float *pixels, const float *across, const float *down, float *out, int64_t stride) {
+  constexpr int kLength = SIDE + 2 * kTextureOverlap;
+  float held[kLength * SIDE];
+  multiply<kLength, SIDE>(pixels, kLength, kLength, 1, across, held, SIDE);
+  multiply<kLength, SIDE>(down, SIDE, 1, SIDE, held, out, stride);
 }
 
-void along(const float *row, int64_t width, int side, const float *const *atoms, float *out) {
-  if (side == 8) return along_as<8>(row, width, atoms, out);
-  if (side == 16) return along_as<16>(row, width, atoms, out);
-  along_as<32>(row, width, atoms, out);
-}
-
-void down(const float *const *rows, int64_t width, int side, const float *atoms, float *out) {
-  for (int64_t x = 0; x < width; x += kAtOnce)
-    for (int k = 0; k < side; ++k) {
-      float sums[kAtOnce] = {};
-      for (int j = 0; j < side + 2 * kOverlap; ++j) {
-        if (!rows[j]) continue;
-        const float value = atoms[j * side + k], *row = rows[j] + x;
-        for (int i = 0; i < kAtOnce; ++i) sums[i] += value * row[i];
-      }
-      for (int i = 0; i < kAtOnce; ++i) out[k * width + x + i] = sums[i];
-    }
+void transform(const float *pixels, int side, const float *across, const float *down, float *out, int64_t stride) {
+  if (side == 8) return transform_as<8>(pixels, across, down, out, stride);
+  if (side == 16) return transform_as<16>(pixels, across, down, out, stride);
+  transform_as<32>(pixels, across, down, out, stride);
 }
 
 }  // namespace
 
-const TextureTransformKernel TextureTransformKernel::SGI_ISA{sgi::along, sgi::down};
+const TextureTransformKernel TextureTransformKernel::SGI_ISA{sgi::transform};
 
 }  // namespace sgi

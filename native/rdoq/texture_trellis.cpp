@@ -13,8 +13,9 @@ namespace {
 constexpr float kImpossible = std::numeric_limits<float>::infinity();
 constexpr int kMaxSymbol = 16000, kStates = kQuantizerStates, kHalf = kStates / 2;
 // docs/notes/2026-11-luma-space.md has a smaller kHopeless.
-constexpr float kHopeless = 0.6f;  // squared steps by which a survivor costs more than the best one and is given up
-constexpr float kWorth = 0.25f;    // amplitudes in steps below which nothing but 0 is tried
+constexpr float kHopeless = 0.6f;   // squared steps by which a survivor costs more than the best one and is given up
+constexpr float kWorth = 0.25f;     // amplitudes in steps below which nothing but 0 is tried
+constexpr float kLastWorth = 0.6f;  // those beyond the last of which nothing is (docs/notes/2026-11-ladder.md)
 
 // What a state may be followed by, for symbols of either parity: the best symbol, and by how much the cost grows.
 struct Offer {
@@ -40,9 +41,8 @@ struct Moves {
 // Bits of the magnitudes of a symbol, whose probabilities are looked up when they are asked for.
 class MagnitudeBits {
  public:
-  // Those of another context are forgotten.
-  void look_up(const BitModels &models, const BitContext &context) {
-    context_ = context, known_ = 1;
+  MagnitudeBits(const BitModels &models, const SymbolPlace &place, const NearMagnitudes &near, QuantizerState state)
+      : context_(place.at(near, state)) {
     ones_[0] = models.predict(context_).one;
     zero_ = bit_cost(ones_[0], 0);
     larger_[0] = 1;  // the sign
@@ -60,11 +60,11 @@ class MagnitudeBits {
   }
 
  private:
-  BitContext context_;
+  const BitContext context_;
   std::array<int32_t, kMagnitudeBits> ones_;
   std::array<float, kMagnitudeBits + 1> larger_;  // bits that say that a magnitude is at least this, and its sign
   float zero_;
-  int known_;  // how many of `larger_` are
+  int known_ = 1;  // how many of `larger_` are
 };
 
 // The survivors of the symbols so far, in coding order. States i and i + 4 are followed by 2 i and 2 i + 1.
@@ -127,11 +127,11 @@ class Trellis {
     Offer &offer = offers_[state];
     offer = {near, {kImpossible, kImpossible}, {}};
     const QuantizerState quantizer(state);
-    bits_.look_up(models_, place.at(near, quantizer));
+    MagnitudeBits bits(models_, place, near, quantizer);
     const auto try_out = [&](int magnitude) {
       const int odd = magnitude & 1;
       const float error = magnitude ? scaled - quantizer.magnitude(magnitude) : scaled;
-      const float cost = error * error + lambda_ * bits_.of(models_, magnitude);
+      const float cost = error * error + lambda_ * bits.of(models_, magnitude);
       if (cost < offer.cost[odd]) offer.cost[odd] = cost, offer.symbol[odd] = int16_t(magnitude);
     };
     try_out(0);
@@ -178,7 +178,6 @@ class Trellis {
   Survivors now_;
   std::array<KnownMagnitudes, kStates> known_;
   std::array<Offer, kStates> offers_;
-  MagnitudeBits bits_;
   size_t count_ = 0;
   std::array<Moves, 1 << 2 * kTextureRoot> moves_;
 };
@@ -203,7 +202,7 @@ void choose_block(const BitModels &models, const TextureField &field, const Text
   int most = -1;
   for (const int index : scan) {
     beyond += scaled[index] * scaled[index];
-    if (scaled[index] > 0.5f) most = diagonal_of(index, cell.log);
+    if (scaled[index] > kLastWorth) most = diagonal_of(index, cell.log);
   }
   const ExtentContext extent(field, cell, channel);
   choice.values.fill(0);

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 __all__ = ["BLOCK", "RegularPatterns", "regular_patterns"]
 
+F32 = NDArray[np.float32]
 F64 = NDArray[np.float64]
 
 BLOCK = 8
@@ -53,71 +54,78 @@ class RegularPatterns:
 
 def regular_patterns(plane: F64) -> RegularPatterns:
     """The patterns of a plane [H, W] in levels of 255, for each block of 8×8 pixels that it begins."""
-    spectrum, found = _spectrum(), []
-    for windows in _windows(plane):
-        power = spectrum.power(windows)
-        own, others = power @ spectrum.own, power @ spectrum.others
-        ratio = own / (others + _NOISE)
-        best = ratio.argmax(axis=1)[:, None]
-        ratio, own = (np.take_along_axis(values, best, axis=1)[:, 0] for values in (ratio, own))
-        certainty = np.clip((ratio - _DOUBTFUL) / (_CERTAIN - _DOUBTFUL), 0, 1)
-        found.append((certainty, np.sqrt(own), spectrum.frequency[best[:, 0]]))
-    return RegularPatterns(*(np.stack(rows) for rows in zip(*found, strict=True)))
-
-
-def _windows(plane: F64) -> Iterator[F64]:
-    """Windows [columns, 24, 24] around the blocks of each row of blocks; edges are mirrored."""
-    before = (_WINDOW - BLOCK) // 2
+    spectrum = _spectrum()
     rows, columns = (-(-length // BLOCK) for length in plane.shape)
-    margins = [
-        (before, _WINDOW + count * BLOCK - length) for count, length in zip((rows, columns), plane.shape, strict=True)
-    ]
-    beyond = np.pad(plane, margins, mode="symmetric")
-    for row in range(rows):
-        strip = beyond[row * BLOCK :][:_WINDOW]
-        yield np.lib.stride_tricks.sliding_window_view(strip, (_WINDOW, _WINDOW))[0, ::BLOCK][:columns]
+    certainty, deviation = np.zeros((rows, columns)), np.zeros((rows, columns))
+    frequency = np.full((rows, columns), spectrum.frequency[0])
+    for row, waves in enumerate(spectrum.waves(plane)):
+        power = spectrum.power(waves)
+        own = spectrum.own @ power
+        told = np.flatnonzero(own.max(axis=0) > _DOUBTFUL * _NOISE)
+        own, others = own[:, told], spectrum.others @ power[:, told]
+        ratio = own / (others + np.float32(_NOISE))
+        best = ratio.argmax(axis=0)[None]
+        ratio, own = (np.take_along_axis(values, best, axis=0)[0] for values in (ratio, own))
+        certainty[row, told] = np.clip((ratio - _DOUBTFUL) / (_CERTAIN - _DOUBTFUL), 0, 1)
+        deviation[row, told] = np.sqrt(own)
+        frequency[row, told] = spectrum.frequency[best[0]]
+    return RegularPatterns(certainty, deviation, frequency)
 
 
 @dataclass(frozen=True)
 class _Spectrum:
-    """How windows are weighed, which of their frequencies [F] count, and what is compared for each pattern [P]: own and
-    others [F, P] are sums over frequencies; frequency [P] is the pattern's.
+    """How windows become power at frequencies (v, u), and what is compared for each pattern [P].
+
+    basis [24, cosine or sine, 12]: weighted waves of 0 to 11 cycles; own, others [P, F]: sums over frequencies, of
+    which F has v ≥ 0 and then v ≤ 0, each with u ≥ 0; frequency [P]: the pattern's.
     """
 
-    weights: F64
-    rows: NDArray[np.int64]
-    columns: NDArray[np.int64]
-    own: F64
-    others: F64
+    basis: F32
+    own: F32
+    others: F32
     frequency: F64
 
-    def power(self, windows: F64) -> F64:
-        """Power [columns, F] of windows about their means; that of a pattern sums to its variance."""
-        means = np.tensordot(windows, self.weights, axes=2) / self.weights.sum()
-        spectra = np.fft.rfft2((windows - means[:, None, None]) * self.weights)[:, self.rows, self.columns]
-        return np.asarray(2 / self.weights.size * np.abs(spectra) ** 2)
+    def waves(self, plane: F64) -> Iterator[F32]:
+        """Of each row of blocks, waves along the rows of the windows [24, cosine or sine, 12, columns] around its
+        blocks; edges are mirrored.
+        """
+        before = (_WINDOW - BLOCK) // 2
+        rows, columns = (-(-length // BLOCK) for length in plane.shape)
+        margins = [
+            (before, _WINDOW + count * BLOCK - length)
+            for count, length in zip((rows, columns), plane.shape, strict=True)
+        ]
+        beyond = np.pad(plane.astype(np.float32), margins, mode="symmetric")
+        windows = np.lib.stride_tricks.sliding_window_view(beyond, _WINDOW, axis=1)[:, ::BLOCK][:, :columns]
+        along = self.basis.reshape(_WINDOW, -1).T @ np.ascontiguousarray(windows.transpose(0, 2, 1))
+        along = along.reshape(-1, *self.basis.shape[1:], columns)
+        return (along[row * BLOCK :][:_WINDOW] for row in range(rows))
+
+    def power(self, waves: F32) -> F32:
+        """Power [F, columns] of windows about their means; that of a pattern sums to its variance."""
+        both = np.tensordot(self.basis, waves, axes=(0, 0))  # [cosine or sine, v, cosine or sine, u, columns]
+        of_one = self.basis.sum(axis=0)
+        both -= np.multiply.outer(of_one, np.multiply.outer(of_one, both[0, 0, 0, 0] / of_one[0, 0] ** 2))
+        (cc, cs), (sc, ss) = both.swapaxes(1, 2)  # [v, u, columns] each
+        spectra = np.square(cc - ss) + np.square(cs + sc), np.square(cc + ss) + np.square(cs - sc)
+        return np.float32(2 / _WINDOW**2) * np.concatenate(spectra).reshape(-1, waves.shape[-1])
 
 
 @cache
 def _spectrum() -> _Spectrum:
-    wave = np.sin(np.pi * (np.arange(_WINDOW) + 0.5) / _WINDOW) ** 2
-    weights = np.outer(wave, wave)
-    highest = min(int(np.ceil(_MAX_FREQUENCY + _LOBE)), _WINDOW // 2 - 1)
-    v, u = (part.ravel() for part in np.mgrid[-highest : highest + 1, 0 : highest + 1])
-    half = (u > 0) | (v > 0)  # of two opposite frequencies, one
-    v, u = v[half], u[half]
+    window = np.sin(np.pi * (np.arange(_WINDOW) + 0.5) / _WINDOW) ** 2
+    turns = 2 * np.pi / _WINDOW * np.outer(np.arange(_WINDOW), np.arange(_WINDOW // 2))
+    basis = np.stack([np.cos(turns), np.sin(turns)], axis=1) * (window / np.sqrt((window**2).sum()))[:, None, None]
+    sign, v, u = (part.ravel() for part in np.mgrid[1:-2:-2, : _WINDOW // 2, : _WINDOW // 2])
+    once = np.where(sign > 0, (u > 0) | (v > 0), (u > 0) & (v > 0))  # of two opposite frequencies, one
+    v *= sign
     radius, angle = np.hypot(v, u), np.arctan2(v, u)
-    patterns = np.flatnonzero((radius >= _MIN_FREQUENCY) & (radius <= _MAX_FREQUENCY))
-    distances = (np.hypot(v[:, None] - sign * v[patterns], u[:, None] - sign * u[patterns]) for sign in (1, -1))
-    near = np.minimum(*distances) <= _LOBE
-    turned = np.abs((angle[:, None] - angle[patterns] + np.pi / 2) % np.pi - np.pi / 2)
-    lower = (radius[:, None] <= radius[patterns] / _LOWER) & (turned < _ALONG)
-    aside = (np.abs(radius[:, None] - radius[patterns]) <= _AS_HIGH) & (turned > _ACROSS)
-    return _Spectrum(
-        weights / np.sqrt((weights**2).sum()),
-        v % _WINDOW,
-        u,
-        near.astype(np.float64),
-        (~near & (lower | aside)).astype(np.float64),
-        radius[patterns] / (_WINDOW / 2),
-    )
+    patterns = np.flatnonzero(once & (radius >= _MIN_FREQUENCY) & (radius <= _MAX_FREQUENCY))[:, None]
+    distances = (np.hypot(v - by * v[patterns], u - by * u[patterns]) for by in (1, -1))
+    near = once & (np.minimum(*distances) <= _LOBE)
+    turned = np.abs((angle - angle[patterns] + np.pi / 2) % np.pi - np.pi / 2)
+    lower = (radius <= radius[patterns] / _LOWER) & (turned < _ALONG)
+    aside = (np.abs(radius - radius[patterns]) <= _AS_HIGH) & (turned > _ACROSS)
+    others = once & ~near & (lower | aside)
+    frequency = radius[patterns[:, 0]] / (_WINDOW / 2)
+    return _Spectrum(basis.astype(np.float32), near.astype(np.float32), others.astype(np.float32), frequency)

@@ -6,7 +6,7 @@ pruned. docs/notes/2026-11-rdoq.md, reports what each part gains.
 """
 
 from sgicodec.rdoq.objective import Cost, Objective, can_optimise
-from sgicodec.rdoq.rdoq import best_model, searched_once
+from sgicodec.rdoq.rdoq import best_model, searched
 from sgicodec.rdoq.settings import RdoqSettings
 
-__all__ = ["Cost", "Objective", "RdoqSettings", "best_model", "can_optimise", "searched_once"]
+__all__ = ["Cost", "Objective", "RdoqSettings", "best_model", "can_optimise", "searched"]

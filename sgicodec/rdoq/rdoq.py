@@ -13,12 +13,28 @@ from sgicodec.rdoq.objective import Cost, Objective
 from sgicodec.rdoq.pruning import without_pruned_seeds
 from sgicodec.rdoq.settings import RdoqSettings
 
-__all__ = ["best_model", "searched_once"]
+__all__ = ["best_model", "searched"]
 
 
-def searched_once(objective: Objective, model: TileModel, lmbda: float, settings: RdoqSettings) -> TileModel:
-    """What one pass finds, without a look at what it costs: a pass after a fit gains."""
-    return _pass(objective, model, objective.residual(model), lmbda, settings, settings.coarser)[0]
+def searched(
+    objective: Objective,
+    model: TileModel,
+    lmbda: float,
+    settings: RdoqSettings,
+    ending: Callable[[int], bool] = lambda done: False,
+) -> TileModel:
+    """What passes find, without a look at what it costs: the first ones after a fit gain
+    (docs/notes/2026-11-ladder.md). Ends early as `best_model` does.
+    """
+    residual, found = objective.residual(model), None
+    for done in range(settings.passes):
+        if ending(done):
+            break
+        if found is not None:
+            residual = objective.decoded_residual(model)
+            model = _taught(objective, model, residual, found, lmbda, settings, done)
+        model, found = _pass(objective, model, residual, lmbda, settings, 0.0 if done else settings.coarser)
+    return model
 
 
 def best_model(
@@ -38,16 +54,29 @@ def best_model(
     for done in range(settings.passes):
         if ending(done):
             break
-        if found is not None:  # what the last pass taught: scales once, and which seeds are pruned
-            if done == 1:
-                model = replace(model, networks=fitted_scales(objective.header.spec, model.networks, found))
-            price = lmbda * settings.drop * (found.bits + settings.position_bits)
-            model = without_pruned_seeds(objective, model, residual, price)
+        if found is not None:
+            model = _taught(objective, model, residual, found, lmbda, settings, done)
         model, found = _pass(objective, model, residual, lmbda, settings, 0.0 if done else settings.coarser)
         cost, residual = objective.measured(model)
         if cost.at(lmbda) < least.at(lmbda):
             best, least = model, cost
     return best, least
+
+
+def _taught(
+    objective: Objective,
+    model: TileModel,
+    residual: F32,
+    found: Symbols,
+    lmbda: float,
+    settings: RdoqSettings,
+    done: int,
+) -> TileModel:
+    """The model with what its last pass taught: scales once, and which seeds are pruned."""
+    if done == 1:
+        model = replace(model, networks=fitted_scales(objective.header.spec, model.networks, found))
+    price = lmbda * settings.drop * (found.bits + settings.position_bits)
+    return without_pruned_seeds(objective, model, residual, price)
 
 
 def _pass(

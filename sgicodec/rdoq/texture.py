@@ -114,16 +114,24 @@ class TextureSearch:
         return replace(layer, amplitudes=np.concatenate(parts))
 
     def move(
-        self, gradient: F32, steps: TextureSteps, offsets: NDArray[np.int8] | None, mean: float, limit: float
+        self,
+        gradient: F32,
+        steps: TextureSteps,
+        offsets: NDArray[np.int8] | None,
+        mean: float,
+        limit: float,
+        blocks: TextureSymbols | None = None,
     ) -> None:
         """Moves what layers should show up the gradient of a score in the samples [C, H, W], a little.
 
         An amplitude moves by its step times what a step of it gains, in units in which the mean of that is `mean`, at
-        most `limit` of them; one below a step moves as much less, for it cannot be shown.
+        most `limit` of them; one below a step moves as much less, for it cannot be shown. blocks: a layer whose blocks
+        alone are moved, where those that follow take them as they are.
         """
         planes = superblock_planes(gradient, "constant")
         channels, slope = steps.of_channels, steps.growth
-        self._amplitudes.move(planes, self._offsets(offsets), channels, slope, mean, limit)
+        division = None if blocks is None else blocks.log_size
+        self._amplitudes.move(planes, self._offsets(offsets), channels, slope, mean, limit, division)
 
     def costs(self, steps: TextureSteps, squared_steps: float, offsets: NDArray[np.int8] | None = None) -> F32:
         """What each superblock would cost [rows, columns]: squared error plus λ times bits, in squared steps."""

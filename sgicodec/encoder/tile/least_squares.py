@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec.encoder.tile.state import TileState
-from sgicodec.rdoq import Objective, RdoqSettings, searched_once
+from sgicodec.rdoq import Objective, RdoqSettings, searched
 from sgicodec.rdoq.texture import TextureSearch
 
 __all__ = ["LeastSquares", "requantise_seeds_under_texture"]
@@ -78,4 +78,4 @@ def with_seeds_for(state: TileState, left: NDArray[np.float32]) -> TileState:
     is shown over them.
     """
     objective = Objective(state.header, left, state.tile.device, state.tile.reference)
-    return replace(state, model=searched_once(objective, state.model, DEARER * state.lmbda, SETTINGS))
+    return replace(state, model=searched(objective, state.model, DEARER * state.lmbda, SETTINGS))

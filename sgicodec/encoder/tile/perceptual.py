@@ -59,7 +59,7 @@ class Perceptual:
         state, search = state.begin_texture()
         tuning = state.tile.tuning
         price = tuning.price(state.lmbda)
-        state, blocks, step = self._ascended(state, search, tuning.step(state.lmbda), price)
+        state, blocks, step = self._ascended(state, search, tuning.step(state.lmbda), price, blocks_stay=True)
         return state.with_texture(state.best_layer(search, step, price, blocks), state.strength)
 
     def aim(self, state: TileState, search: TextureSearch, step: int) -> tuple[TileState, TextureSearch]:
@@ -71,10 +71,15 @@ class Perceptual:
         return state.with_texture(state.best_layer(search, step, price), state.strength)
 
     def _ascended(
-        self, state: TileState, search: TextureSearch, step: int, price: float | None = None
+        self,
+        state: TileState,
+        search: TextureSearch,
+        step: int,
+        price: float | None = None,
+        blocks_stay: bool = False,
     ) -> tuple[TileState, TextureSymbols | None, int]:
         """The tile with the step offsets and the restoration of layers for the eye, the last of these layers, and the
-        step of the next. Moves what `search` looks for.
+        step of the next. Moves what `search` looks for; blocks_stay: for the blocks of these layers alone.
         """
         tile, passes = state.tile, state.tile.effort.ascent_passes
         first, usual = state.best_layer(search, step, price), state.step_offsets
@@ -89,7 +94,7 @@ class Perceptual:
             layer = first if score is None else state.best_layer(search, steps.after(score), price, layer)
             if layer is None:
                 break
-            score, offsets = ascent.climb(search, layer, state.step_offsets, usual)
+            score, offsets = ascent.climb(search, layer, state.step_offsets, usual, blocks_stay)
             state = replace(state, step_offsets=offsets)
         return state, layer, steps.after(score)
 
@@ -130,10 +135,16 @@ class ScoreAscent:
         self._structure, self._differences = VisualReference(original, device), ButteraugliReference(original, device)
 
     def climb(
-        self, search: TextureSearch, layer: TextureSymbols, offsets: Offsets, usual: Offsets
+        self,
+        search: TextureSearch,
+        layer: TextureSymbols,
+        offsets: Offsets,
+        usual: Offsets,
+        blocks_stay: bool = False,
     ) -> tuple[float, Offsets]:
-        """Moves the target of `search` from the layer that it found up the gradient. Returns SSIMULACRA 2 of the layer,
-        and the step offsets of the next. offsets [rows, columns]: of this one; usual: of the first; None for none.
+        """Moves the target of `search` from the layer that it found up the gradient, that of the layer's blocks alone
+        where these stay. Returns SSIMULACRA 2 of the layer, and the step offsets of the next. offsets [rows, columns]:
+        of this one; usual: of the first; None for none.
         """
         rendered = self._rendered(search, layer)
         score, points, gradient = self._judged(self._seen(rendered))
@@ -141,7 +152,7 @@ class ScoreAscent:
         if self.empty is not None:
             gradient[:, self.empty] = 0
         mean = self._pace.after(layer.steps.step, search.bits, points)
-        search.move(gradient, layer.steps, offsets, mean, MAX_MOVE * mean)
+        search.move(gradient, layer.steps, offsets, mean, MAX_MOVE * mean, layer if blocks_stay else None)
         if offsets is not None and usual is not None:
             gain = (gradient * (self.unit - rendered)).sum(axis=0)
             offsets = better_offsets(offsets, usual, gain, layer)

@@ -39,4 +39,4 @@ def test_one_edge_is_no_pattern(degrees: float) -> None:
 def test_a_block_depends_on_the_pixels_near_it() -> None:
     plane = stripes(4.0, 30, 8.0) + np.random.default_rng(4).normal(0, 4, SHAPE)
     whole, part = regular_patterns(plane), regular_patterns(plane[16:80, 32:112])
-    np.testing.assert_allclose(part.certainty[1:-1, 1:-1], whole.certainty[3:9, 5:13], rtol=1e-12)
+    np.testing.assert_allclose(part.certainty[1:-1, 1:-1], whole.certainty[3:9, 5:13], rtol=1e-5)

@@ -170,6 +170,27 @@ def test_amplitudes_move_up_a_gradient_by_a_part_of_their_steps(
     assert 0.05 * mean * steps.of_channels.min() < np.sqrt((away**2).mean()) < most * largest
 
 
+def test_amplitudes_of_given_blocks_alone_move(residual: np.ndarray) -> None:
+    """Those that blocks of other sizes would have at their places stay."""
+    steps = TextureSteps(380, SAME)
+    gradient = np.random.default_rng(0).normal(size=residual.shape).astype(np.float32)
+    search, still, all_move = TextureSearch(residual), TextureSearch(residual), TextureSearch(residual)
+    blocks = search.at(steps, PRICE)
+    assert blocks is not None
+    search.move(gradient, steps, None, 0.05, 0.2, blocks)
+    all_move.move(gradient, steps, None, 0.05, 0.2)
+    for log in (3, 4, 5):
+        of_size = replace(blocks, log_size=np.full_like(blocks.log_size, log), symbols=np.ones_like(blocks.symbols))
+        before, after, every = (
+            one._amplitudes.shown(of_size.log_size, of_size.symbols) for one in (still, search, all_move)
+        )
+        here = np.repeat(np.repeat(blocks.log_size == log, 8, axis=0), 8, axis=1)
+        assert np.array_equal(after[:, ~here], before[:, ~here])
+        if here.any():
+            ways = ((one - before)[:, here].astype(np.float64) for one in (after, every))
+            assert np.corrcoef(*(way.ravel() for way in ways))[0, 1] > 0.99
+
+
 def test_given_cells_are_taken_but_for_those_without_symbols(residual: np.ndarray) -> None:
     search, steps = TextureSearch(residual), TextureSteps(340, SAME)
     best = search.at(steps, PRICE)
