@@ -2,7 +2,8 @@
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
-add_library(sgi native/capi/sgi.cpp ${DECODER})
+file(GLOB CAPI CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/native/capi/*.cpp)
+add_library(sgi ${CAPI} ${DECODER})
 compile_as_ours(sgi)
 target_compile_definitions(sgi PRIVATE SGI_BUILDING=1 SGI_VERSION="${PROJECT_VERSION}")
 target_include_directories(sgi PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
