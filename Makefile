@@ -11,7 +11,7 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
 # Two levels of set-up: what a user has, with `sgi compare` and `sgi bench`; and what tests and lint need besides.
 USER_STAMP := $(VENV)/.user
 DEV_STAMP := $(VENV)/.dev
-CXX_FILES := $(shell find native gdal tests viewer/wasm cuda -name '*.?pp') $(wildcard include/*.h programs/*.[ch] examples/*.c*)
+CXX_FILES := $(shell find native gdal tests viewer/wasm cuda -name '*.?pp') $(wildcard include/*.h programs/*.[ch] gdk-pixbuf/*.c examples/*.c*)
 # What is compiled and what is installed: Python files are used in place.
 INPUTS := pyproject.toml constraints.txt CMakeLists.txt $(shell find native cuda share -type f) \
   $(shell find sgicodec/bitstream -name '*.bin')
