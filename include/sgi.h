@@ -184,8 +184,8 @@ SGI_API sgi_status sgi_get_metadata(sgi_stream *stream, sgi_metadata kind, const
  * becomes there, 0 where it has no place in it. After an error nothing can be said of what the buffer holds. */
 SGI_API sgi_status sgi_draw(sgi_stream *stream, const sgi_view *view, void *buffer, size_t stride);
 
-/* Decodes all tiles and throws them away again: whether the whole file is sound. `*crc` (may be null) is the CRC-32 of
- * all symbols, equal on every machine. */
+/* Decodes all tiles and the residual layer, and throws them away again: whether the whole file is sound. `*crc` (may be
+ * null) is the CRC-32 of all symbols, equal on every machine. */
 SGI_API sgi_status sgi_verify(sgi_stream *stream, uint32_t *crc);
 
 #ifdef __cplusplus

@@ -42,5 +42,5 @@ pip install --target "$work/site" --no-deps --only-binary=:all: --implementation
   "${platforms[@]/#/--platform=}" "$work"/repaired/*.whl
 cp -r "$root/tests" "$root/pyproject.toml" "$work"
 (cd "$work" && PYTHONPATH=$work/site qemu-aarch64 -L "$work/sysroot" "$work/sysroot/usr/bin/$name" \
-  -m pytest -q -p no:cacheprovider tests/conformance/golden)
+  -m pytest -q -p no:cacheprovider tests/conformance/golden -k "not written_again")
 mv "$work"/repaired/*.whl "$folder"

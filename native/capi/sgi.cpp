@@ -180,6 +180,7 @@ sgi_status sgi_verify(sgi_stream *stream, uint32_t *crc) {
     sgi::Stream &verified = checked(stream).stream;
     const uint32_t found = verified.survey().symbol_crc;
     if (verified.has_overview()) verified.overview().survey();
+    verified.check_exact();
     if (crc) *crc = found;
   });
 }
