@@ -37,7 +37,8 @@ PATH=$work/venv/bin:$PATH auditwheel repair -w "$work/repaired" "$work"/raw/*.wh
 platforms=(manylinux2014_aarch64)
 for minor in 17 26 27 28 31 34 35 36; do platforms+=("manylinux_2_${minor}_aarch64"); done
 pip install --target "$work/site" --only-binary=:all: --implementation cp --python-version "${name#python}" \
-  "${platforms[@]/#/--platform=}" -c "$root/constraints.txt" numpy pytest hypothesis
+  "${platforms[@]/#/--platform=}" -c "$root/constraints.txt" \
+  numpy OpenImageIO pillow click rich threadpoolctl isal pytest hypothesis
 pip install --target "$work/site" --no-deps --only-binary=:all: --implementation cp --python-version "${name#python}" \
   "${platforms[@]/#/--platform=}" "$work"/repaired/*.whl
 cp -r "$root/tests" "$root/pyproject.toml" "$work"
