@@ -10,15 +10,13 @@ trap 'rm -rf "$work"' EXIT
 mkdir "$work/sgicodec"
 git -C "$root" archive HEAD | tar x -C "$work/sgicodec"
 cp -r "$root/packaging/debian" "$work/sgicodec/debian"
-(cd "$work/sgicodec" && dpkg-buildpackage -b -us -uc)
+(cd "$work/sgicodec" && DEB_BUILD_OPTIONS=noautodbgsym dpkg-buildpackage -b -us -uc)
 if command -v lintian >/dev/null; then # the maintainers have no public address yet
   lintian --suppress-tags bogus-mail-host,bogus-mail-host-in-debian-changelog --fail-on error "$work"/*.changes
 fi
 
 # As dpkg lays them, in a root of their own.
-for package in "$work"/*.deb; do
-  case $package in *-dbgsym_*) ;; *) dpkg-deb -x "$package" "$work/root" ;; esac
-done
+for package in "$work"/*.deb; do dpkg-deb -x "$package" "$work/root"; done
 query=$(pkg-config --variable=gdk_pixbuf_query_loaders gdk-pixbuf-2.0)
 libraries=$(dirname "$(find "$work/root" -name 'libsgi.so.*' -type l)")
 export LD_LIBRARY_PATH=$libraries PKG_CONFIG_PATH=$libraries/pkgconfig PKG_CONFIG_SYSROOT_DIR=$work/root
