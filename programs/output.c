@@ -18,7 +18,7 @@
 
 static FILE *file;
 static const char *target;
-static char *temporary; /* null where OUT is written as it is */
+static char *volatile temporary; /* null where OUT is written as it is */
 
 static void discard(void) {
   if (temporary) unlink(temporary);
@@ -77,20 +77,19 @@ static FILE *begin_stdout(int force) {
 
 FILE *begin_output(const char *name, int force) {
   target = name;
+  atexit(discard);
+  catch_signals();
   if (!strcmp(name, "-")) {
     target = "stdout";
     file = begin_stdout(force);
   } else if (!check_target(name, force)) {
     file = fopen(name, "wb");
   } else {
-    char *beside = temporary_beside(name);
-    int number = open(beside, O_WRONLY | O_CREAT | O_EXCL | O_BINARY, 0666);
+    temporary = temporary_beside(name); /* before it is there, so that no signal leaves it */
+    int number = open(temporary, O_WRONLY | O_CREAT | O_EXCL | O_BINARY, 0666);
     file = number < 0 ? NULL : fdopen(number, "wb");
-    if (file) temporary = beside;
   }
   if (!file) fail(errno == ENOENT || errno == ENOTDIR ? WRONG_USAGE : BAD_PICTURE, "%s: %s", name, strerror(errno));
-  atexit(discard);
-  catch_signals();
   return file;
 }
 
@@ -106,6 +105,5 @@ void finish_output(void) {
   remove(target);
 #endif
   if (rename(temporary, target)) fail(BAD_PICTURE, "%s: %s", target, strerror(errno));
-  free(temporary);
   temporary = NULL;
 }

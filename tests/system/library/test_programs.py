@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+import ctypes
 import json
+import os
+import select
 import shutil
 import signal
 import subprocess
 import sys
-import time
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from children import HANGS
 from library import ROOT
 from numpy.typing import NDArray
 from PIL import Image, ImageCms
@@ -47,7 +51,7 @@ def formats(sgidec: Path) -> set[str]:
 
 
 def run(*command: object, **options: Any) -> subprocess.CompletedProcess[bytes]:
-    return subprocess.run(list(map(str, command)), capture_output=True, timeout=120, **options)
+    return subprocess.run(list(map(str, command)), capture_output=True, timeout=HANGS, **options)
 
 
 def done(*command: object) -> bytes:
@@ -199,11 +203,22 @@ def test_a_damaged_tile_leaves_nothing(sgidec: Path, tmp_path: Path) -> None:
     assert [path.name for path in tmp_path.iterdir()] == ["a.sgi"]
 
 
+@pytest.fixture
+def created(tmp_path: Path) -> Iterator[int]:
+    """What becomes readable when a file is created in `tmp_path`: inotify."""
+    system = ctypes.CDLL(None)
+    number = system.inotify_init()
+    assert system.inotify_add_watch(number, bytes(tmp_path), 0x100) >= 0  # IN_CREATE
+    yield number
+    os.close(number)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="needs inotify")
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_a_signal_leaves_nothing(number: signal.Signals, sgidec: Path, tmp_path: Path) -> None:
+def test_a_signal_leaves_nothing(number: signal.Signals, created: int, sgidec: Path, tmp_path: Path) -> None:
+    """While a picture of a gigapixel is being written."""
     with subprocess.Popen([sgidec, RGB, tmp_path / "a.ppm", "--scale", "200"]) as process:
-        while not any(tmp_path.iterdir()) and process.poll() is None:
-            time.sleep(0.001)
+        assert select.select([created], [], [], HANGS)[0]
         process.send_signal(number)
     assert process.returncode == 128 + number
     assert not any(tmp_path.iterdir())
