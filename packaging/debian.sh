@@ -15,8 +15,10 @@ if command -v lintian >/dev/null; then # the maintainers have no public address 
   lintian --suppress-tags bogus-mail-host,bogus-mail-host-in-debian-changelog --fail-on error "$work"/*.changes
 fi
 
-# As dpkg lays them, in a root of their own.
-for package in "$work"/*.deb; do dpkg-deb -x "$package" "$work/root"; done
+# Installed in a root of their own, which lacks what they depend on.
+mkdir -p "$work"/root/var/lib/dpkg/{info,updates,triggers}
+touch "$work/root/var/lib/dpkg/status"
+dpkg --root="$work/root" --force-depends,not-root,script-chrootless --no-triggers -i "$work"/*.deb
 query=$(pkg-config --variable=gdk_pixbuf_query_loaders gdk-pixbuf-2.0)
 libraries=$(dirname "$(find "$work/root" -name 'libsgi.so.*' -type l)")
 export LD_LIBRARY_PATH=$libraries PKG_CONFIG_PATH=$libraries/pkgconfig PKG_CONFIG_SYSROOT_DIR=$work/root
