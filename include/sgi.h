@@ -127,14 +127,14 @@ typedef struct sgi_view {
 
 /* How a structure begins its life: sgi_info info = SGI_INFO_INIT; */
 #ifdef __cplusplus
-}
+extern "C++" {
 template <class T>
 inline T sgi_sized() {
   T made = T();
   made.struct_size = sizeof(T);
   return made;
 }
-extern "C" {
+}
 #define SGI_SIZED(type) sgi_sized<type>()
 #else
 #define SGI_SIZED(type) {.struct_size = sizeof(type)}

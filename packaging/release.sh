@@ -3,7 +3,7 @@
 #   packaging/release.sh PYTHON...
 # A part whose tools are not here is left out, and the list at the end says so. Nothing is uploaded.
 set -uo pipefail
-cd "$(dirname "$0")/.."
+cd "$(dirname "$0")/.." || exit 1
 out=$PWD/dist
 rm -rf "$out"
 mkdir -p "$out/logs"

@@ -87,11 +87,21 @@ def test_all_memory_comes_from_operator_new(example: Callable[..., Path], tmp_pa
     assert sorted(ends.values(), reverse=True) == list(ends.values())
 
 
-@pytest.mark.parametrize("compiler", [["cc", "-x", "c", "-std=c99"], ["c++", "-x", "c++", "-std=c++11"]])
-def test_the_header_compiles_alone(compiler: list[str], tmp_path: Path) -> None:
+CXX = ["c++", "-x", "c++", "-std=c++11"]
+
+
+@pytest.mark.parametrize(
+    ("compiler", "include"),
+    [
+        (["cc", "-x", "c", "-std=c99"], '#include "sgi.h"'),
+        (CXX, '#include "sgi.h"'),
+        (CXX, 'extern "C" {\n#include "sgi.h"\n}'),
+    ],
+)
+def test_the_header_compiles_alone(compiler: list[str], include: str, tmp_path: Path) -> None:
     source = tmp_path / "use"
     source.write_text(
-        '#include "sgi.h"\nint main(void) {\n'
+        f"{include}\nint main(void) {{\n"
         "  sgi_options options = SGI_OPTIONS_INIT;\n  sgi_info info = SGI_INFO_INIT;\n"
         "  sgi_view view = SGI_VIEW_INIT;\n"
         "  return (options.struct_size + info.struct_size + view.struct_size) == 0;\n}\n"
