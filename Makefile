@@ -11,13 +11,13 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
 # Two levels of set-up: what a user has, with `sgi compare` and `sgi bench`; and what tests and lint need besides.
 USER_STAMP := $(VENV)/.user
 DEV_STAMP := $(VENV)/.dev
-CXX_FILES := $(shell find native gdal tests viewer/wasm cuda -name '*.?pp')
+CXX_FILES := $(shell find native gdal tests viewer/wasm cuda -name '*.?pp') $(wildcard include/*.h programs/*.[ch] gdk-pixbuf/*.c examples/*.c*)
 # What is compiled and what is installed: Python files are used in place.
 INPUTS := pyproject.toml constraints.txt CMakeLists.txt $(shell find native cuda share -type f) \
   $(shell find sgicodec/bitstream -name '*.bin')
 
 .DEFAULT_GOAL := help
-.PHONY: viewer test-viewer help setup setup-dev demo test test-all asan asan-kernels fuzz bench lint format stubs wheel clean
+.PHONY: viewer test-viewer help setup setup-dev demo test test-all asan asan-kernels fuzz bench lint format stubs wheel release clean
 
 help:
 	@echo "make demo       encode and decode a bundled photograph and measure the difference"
@@ -33,6 +33,7 @@ help:
 	@echo "make bench      measure against JPEG, WebP, JPEG XL and AVIF: make bench PICTURES=DIR OUT=DIR"
 	@echo "make setup      install into $(VENV) what demo and bench need; make setup-dev: what tests and lint need"
 	@echo "make wheel      pack a wheel for this Python and test it in a new environment (Linux)"
+	@echo "make release    make all that a release has in dist/, and try it: make release PYTHONS='python3.11 python3.12'"
 	@echo "make clean      remove what was built"
 
 setup: $(USER_STAMP)
@@ -124,17 +125,15 @@ bench: setup
 	$(BIN)/sgi bench $(PICTURES) --out $(OUT)
 
 # Apart from .venv: what a user gets, without compiler, sources or anything that was installed before.
-FRESH := dist/venv/bin/python
-
 wheel:
 	@if command -v emcmake >/dev/null; then $(MAKE) viewer; else echo "No Emscripten: the viewer will have the server draw"; fi
-	rm -rf dist
-	$(PYTHON) -m venv dist/venv
-	$(FRESH) -m pip --disable-pip-version-check -q wheel --no-deps -w dist .
-	$(FRESH) -m pip --disable-pip-version-check -q install -c constraints.txt "$$(echo $(CURDIR)/dist/*.whl)[wheel]"
-	PATH=$(CURDIR)/dist/venv/bin:$$PATH auditwheel repair -w dist/wheels dist/*.whl
-	$(FRESH) -m pip --disable-pip-version-check -q install --force-reinstall --no-deps dist/wheels/*.whl
-	PATH=$(CURDIR)/dist/venv/bin $(FRESH) tests/support/installed.py
+	mkdir -p dist
+	packaging/wheel.sh . dist $(PYTHON)
+
+# Wheels for each of these, and all else that a release has.
+PYTHONS ?= $(PYTHON)
+release:
+	packaging/release.sh $(PYTHONS)
 
 clean:
 	rm -rf $(VENV) build dist viewer/src/wasm viewer/node_modules demo-out bench-out fuzz-out .pytest_cache .hypothesis .mypy_cache .ruff_cache

@@ -23,10 +23,11 @@ int main(int count, char **names) {
 
   sgi_stream *stream;
   stop_at(sgi_open(read_file, in, (uint64_t)ftell(in), NULL, &stream), names[1]);
-  sgi_info info = {sizeof info};
+  sgi_info info = SGI_INFO_INIT;
   stop_at(sgi_get_info(stream, &info), names[1]);
 
-  sgi_view view = {sizeof view, 0, 0, info.width, info.height}; /* the region: all of it */
+  sgi_view view = SGI_VIEW_INIT;
+  view.width = info.width, view.height = info.height; /* the region: all of it */
   view.columns = (uint32_t)(info.width * scale + 0.5), view.rows = (uint32_t)(info.height * scale + 0.5);
   view.sample = SGI_SAMPLE_U8;
   size_t stride = (size_t)view.columns * info.channels;

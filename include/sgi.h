@@ -2,7 +2,8 @@
  *
  * A stream is opened from memory or from a callback that reads bytes, and drawn into buffers of the caller. Handles may
  * be used by several threads at once; calls on one handle take turns. Nothing is printed, and no exception leaves the
- * library. Structures begin with their own size, so that later versions can add to them: set all else to 0 first.
+ * library. Structures begin with their own size, so that later versions can add to them: begin with SGI_INFO_INIT and
+ * its like, or set all else to 0.
  */
 #ifndef SGI_H
 #define SGI_H
@@ -37,7 +38,7 @@ typedef enum sgi_status {
   SGI_ERROR_CORRUPT = 3,     /* bytes that no encoder wrote */
   SGI_ERROR_UNSUPPORTED = 4, /* a sound stream that needs another library */
   SGI_ERROR_LIMIT = 5,       /* more than the caps of the format or of the caller; found before memory is taken */
-  SGI_ERROR_SOURCE = 6,      /* the callback that reads failed */
+  SGI_ERROR_SOURCE = 6,      /* the callback that reads failed; or `sgi_probe` was given too few bytes */
   SGI_ERROR_MEMORY = 7,      /* the system has no memory left */
   SGI_ERROR_INTERNAL = 8,    /* a defect of this library */
   SGI_ERROR_STOPPED = 9      /* the callback `proceed` said so */
@@ -98,6 +99,13 @@ typedef enum sgi_metadata {
   SGI_METADATA_SOFTWARE = 4 /* the program that wrote the stream, in UTF-8; a text of somebody else */
 } sgi_metadata;
 
+/* What a pixel of a drawing is. */
+typedef enum sgi_pixels {
+  SGI_PIXELS_CHANNELS = 0, /* the picture's own channels, in their order */
+  SGI_PIXELS_RGBA = 1,     /* four samples; gray is in all three colours, and what has no alpha is opaque */
+  SGI_PIXELS_BGRA = 2      /* the same in another order, as cairo, Qt and Windows have it */
+} sgi_pixels;
+
 /* What to draw. The region is in pixels of the picture and may be fractional; `columns` x `rows` output pixels show it.
  * Regions may reach over the picture where `boundless` is set: there samples are nodata, else 0. */
 typedef struct sgi_view {
@@ -109,13 +117,41 @@ typedef struct sgi_view {
   int exact;     /* 1: never from the overview */
   int no_dither; /* 1: eight bits of a deeper source are rounded to nearest */
   int lossy;     /* 1: without the residual layer, which else makes the picture's own pixels exact, or near it */
+  /* sgi_pixels. With RGBA and BGRA, pixels outside the picture and those of which all colours are nodata are 0 in all
+   * samples. Bands without a meaning (SGI_LAYOUT_MULTI) have no colours: SGI_ERROR_USAGE. */
+  int pixels;
+  int premultiplied;  /* 1: of RGBA and BGRA, alpha is multiplied into the colours */
+  uint32_t first_row; /* draw only the output rows first_row ... first_row + row_count - 1, into a buffer that begins */
+  uint32_t row_count; /* with the first of them: a large drawing in bands; 0: all rows from first_row on */
 } sgi_view;
+
+/* How a structure begins its life: sgi_info info = SGI_INFO_INIT; */
+#ifdef __cplusplus
+extern "C++" {
+template <class T>
+inline T sgi_sized() {
+  T made = T();
+  made.struct_size = sizeof(T);
+  return made;
+}
+}
+#define SGI_SIZED(type) sgi_sized<type>()
+#else
+#define SGI_SIZED(type) {.struct_size = sizeof(type)}
+#endif
+#define SGI_OPTIONS_INIT SGI_SIZED(sgi_options)
+#define SGI_INFO_INIT SGI_SIZED(sgi_info)
+#define SGI_VIEW_INIT SGI_SIZED(sgi_view)
 
 /* "0.1.0"; of the library that runs. */
 SGI_API const char *sgi_version(void);
 
 /* 1 if a file begins like a stream, 0 if not; eight bytes are enough. Silicon Graphics' pictures share the suffix. */
 SGI_API int sgi_is_stream(const void *bytes, size_t size);
+/* What the header says, from the first bytes of a file alone, before the rest is there: `has_overview` and `file_bytes`
+ * are 0. Headers are at the start of a file and mostly shorter than 200 bytes. SGI_ERROR_SOURCE: these bytes do not
+ * hold all of it, come again with more. */
+SGI_API sgi_status sgi_probe(const void *bytes, size_t size, sgi_info *info);
 
 /* Opens a stream: `*stream` is its handle, or null with an error, whose text `sgi_error` tells. `options` may be null.
  * The bytes of `sgi_open_memory` must stay until `sgi_close`. `size` is that of the file in bytes. */
@@ -136,6 +172,9 @@ SGI_API sgi_status sgi_get_level(sgi_stream *stream, uint32_t level, uint32_t *w
 /* The range of a channel's samples in the source's type: what 0 and 1 of the model stand for. Few samples may lie
  * outside, as the source has them: dead and hot pixels, not-a-number, nodata. */
 SGI_API sgi_status sgi_get_range(sgi_stream *stream, uint32_t channel, float *low, float *high);
+/* By how much samples in the source's own type and size may be off the source's: 0 is without loss; -1 where the stream
+ * promises nothing, as most do. Floats: in samples, else in levels. */
+SGI_API sgi_status sgi_get_max_error(sgi_stream *stream, double *max_error);
 /* Metadata that the stream holds: `*bytes` is null where there is none. Valid until `sgi_close`. */
 SGI_API sgi_status sgi_get_metadata(sgi_stream *stream, sgi_metadata kind, const void **bytes, size_t *size);
 
@@ -145,8 +184,8 @@ SGI_API sgi_status sgi_get_metadata(sgi_stream *stream, sgi_metadata kind, const
  * becomes there, 0 where it has no place in it. After an error nothing can be said of what the buffer holds. */
 SGI_API sgi_status sgi_draw(sgi_stream *stream, const sgi_view *view, void *buffer, size_t stride);
 
-/* Decodes all tiles and throws them away again: whether the whole file is sound. `*crc` (may be null) is the CRC-32 of
- * all symbols, equal on every machine. */
+/* Decodes all tiles and the residual layer, and throws them away again: whether the whole file is sound. `*crc` (may be
+ * null) is the CRC-32 of all symbols, equal on every machine. */
 SGI_API sgi_status sgi_verify(sgi_stream *stream, uint32_t *crc);
 
 #ifdef __cplusplus

@@ -1,76 +1,25 @@
-// The C interface: arguments are checked.
+// The C interface but for drawing: arguments are checked.
 #include <sgi.h>
 
 #include <algorithm>
-#include <cmath>
-#include <cstddef>
 #include <cstring>
-#include <locale>
 #include <memory>
-#include <optional>
-#include <sstream>
 #include <string>
 
 #include "base/error.hpp"
 #include "bitstream/container.hpp"
 #include "capi/callback_source.hpp"
-#include "capi/status.hpp"
-#include "decoder/stream.hpp"
-
-struct sgi_stream {
-  sgi::Stream stream;
-  std::vector<sgi::Level> levels;
-};
+#include "capi/handle.hpp"
+#include "capi/prefix_source.hpp"
+#include "capi/structures.hpp"
 
 namespace {
 
 using sgi::Error;
 using sgi::Fault;
-using sgi::capi::CallbackSource;
-using sgi::capi::guarded;
-using sgi::capi::misuse;
-using sgi::capi::require;
-using sgi::capi::Stopped;
+using namespace sgi::capi;
 
-constexpr size_t kMaxStruct = 4096;  // bytes; more is a size that was never set
 constexpr int kMaxThreads = 1024;
-constexpr double kFarthest = double(int64_t(1) << 30);  // pixels from the picture's corner
-constexpr int64_t kMaxSamples = int64_t(1) << 31;       // of one call
-
-// Up to the last fields of the first version, 0.1: a program may know no later one.
-constexpr size_t kMinOptions = offsetof(sgi_options, tile_bytes) + sizeof(sgi_options::tile_bytes);
-constexpr size_t kMinInfo = offsetof(sgi_info, file_bytes) + sizeof(sgi_info::file_bytes);
-constexpr size_t kMinView = offsetof(sgi_view, no_dither) + sizeof(sgi_view::no_dither);
-
-size_t size_of(const void *given, size_t least, const char *name) {
-  require(given, "a null pointer");
-  size_t size;
-  std::memcpy(&size, given, sizeof size);
-  if (size < least || size > kMaxStruct)
-    misuse(std::string(name) + ".struct_size is " + std::to_string(size) + "; set it to sizeof(" + name + ")");
-  return size;
-}
-
-// What a caller gave, who may know an earlier version of the structure, or a later one: what is beyond this one must be
-// 0.
-template <class T>
-T taken(const T *given, size_t least, const char *name) {
-  const size_t size = size_of(given, least, name), known = std::min(size, sizeof(T));
-  const auto *bytes = reinterpret_cast<const unsigned char *>(given);
-  if (std::any_of(bytes + known, bytes + size, [](unsigned char byte) { return byte; }))
-    misuse(std::string(name) + " asks for what this version of the library does not know");
-  T copy{};
-  std::memcpy(&copy, given, known);
-  return copy;
-}
-
-// Fills what a caller wants filled, who may know an earlier or a later version.
-template <class T>
-void give(T *wanted, T found, size_t least, const char *name) {
-  found.struct_size = size_of(wanted, least, name);
-  std::memset(static_cast<void *>(wanted), 0, found.struct_size);
-  std::memcpy(static_cast<void *>(wanted), &found, std::min(found.struct_size, sizeof found));
-}
 
 sgi::DecoderSettings settings_of(const sgi_options *given) {
   sgi::DecoderSettings settings;
@@ -102,13 +51,8 @@ sgi_status opened_by(const MakeSource &make_source, const sgi_options *options, 
   });
 }
 
-sgi_stream &checked(sgi_stream *stream) {
-  require(stream, "a null pointer for the stream");
-  return *stream;
-}
-
-sgi_info info_of(const sgi_stream &stream) {
-  const sgi::Header &header = stream.stream.header();
+// What a header says, and no more.
+sgi_info info_of(const sgi::Header &header) {
   sgi_info info{};
   info.width = uint32_t(header.width), info.height = uint32_t(header.height);
   info.channels = uint32_t(header.spec.channels);
@@ -116,51 +60,15 @@ sgi_info info_of(const sgi_stream &stream) {
   info.low = float(header.low[0]), info.high = float(header.high[0]);
   info.tiles = uint32_t(header.grid().count()), info.tile_size = uint32_t(header.tile);
   info.has_nodata = header.masked == sgi::Masked::nodata, info.nodata = header.nodata;
-  info.has_overview = stream.stream.has_overview();
-  info.levels = uint32_t(stream.levels.size());
-  info.file_bytes = stream.stream.chunks().size();
+  info.levels = uint32_t(sgi::levels_of(header.width, header.height).size());
   return info;
 }
 
-std::string region_text(const sgi_view &view) {
-  std::ostringstream out;
-  out.imbue(std::locale::classic());
-  out.precision(12);
-  out << view.x << ',' << view.y << ',' << view.width << ',' << view.height;
-  return out.str();
-}
-
-// The region and the size of a view.
-sgi::PictureView picture_view(const sgi_view &view, const sgi::Header &header) {
-  const auto refuse = [&](const std::string &why) {
-    throw Error(Fault::region, "region " + region_text(view) + " " + why);
-  };
-  const auto is_near = [](double place) { return std::fabs(place) <= kFarthest; };  // false for not-a-number
-  if (!(is_near(view.x) && is_near(view.y) && is_near(view.width) && is_near(view.height))) refuse("is too far away");
-  if (!(view.width > 0 && view.height > 0)) refuse("holds no picture");
-  const double right = view.x + view.width, bottom = view.y + view.height;
-  if (!view.boundless && (view.x < 0 || view.y < 0 || right > double(header.width) || bottom > double(header.height)))
-    refuse("is not inside the picture of " + std::to_string(header.width) + "×" + std::to_string(header.height) +
-           " pixels");
-  require(view.columns && view.rows, "a view of no columns or no rows");
-  const int64_t columns = view.columns, rows = view.rows;
-  if (std::max(columns, rows) > sgi::kMaxSide || columns * rows > kMaxSamples / header.spec.channels)
-    misuse(std::to_string(columns) + "×" + std::to_string(rows) + " pixels are too many for one call");
-  const sgi::PictureView found{view.x, view.y, columns / view.width, rows / view.height, columns, rows};
-  const double most = double(sgi::kMaxSide);
-  if (!(found.sx <= most && found.sy <= most)) refuse("is too small");
-  return found;
-}
-
-void check_buffer(const void *buffer, size_t stride, const sgi_view &view, const sgi::Header &header) {
-  require(buffer, "a null pointer for the buffer");
-  require(view.sample >= SGI_SAMPLE_U8 && view.sample <= SGI_SAMPLE_F32, "view.sample is no sgi_sample");
-  const size_t bytes = view.sample == SGI_SAMPLE_U8 ? 1 : view.sample == SGI_SAMPLE_U16 ? 2 : 4;
-  const size_t row = bytes * size_t(view.columns) * size_t(header.spec.channels);
-  if (stride < row) misuse("a stride of " + std::to_string(stride) + " bytes; a row takes " + std::to_string(row));
-  require(stride <= size_t(PTRDIFF_MAX) / view.rows, "a buffer larger than memory can be");
-  require(reinterpret_cast<uintptr_t>(buffer) % bytes == 0 && stride % bytes == 0,
-          "the buffer and its stride must be multiples of the size of a sample");
+sgi_info info_of(const sgi_stream &stream) {
+  sgi_info info = info_of(stream.stream.header());
+  info.has_overview = stream.stream.has_overview();
+  info.file_bytes = stream.stream.chunks().size();
+  return info;
 }
 
 }  // namespace
@@ -169,6 +77,18 @@ const char *sgi_version(void) { return SGI_VERSION; }
 
 int sgi_is_stream(const void *bytes, size_t size) {
   return bytes && size >= sgi::kSignatureBytes && !std::memcmp(bytes, sgi::kSignature, sgi::kSignatureBytes);
+}
+
+sgi_status sgi_probe(const void *bytes, size_t size, sgi_info *info) {
+  return guarded([&] {
+    require(bytes || !size, "a null pointer for the bytes");
+    const sgi::Bytes prefix{static_cast<const uint8_t *>(bytes), size};
+    sgi::ChunkReader chunks(std::make_unique<PrefixSource>(prefix), "");
+    sgi::Chunk header;
+    chunks.next(header);
+    const auto payload = chunks.payload(header);
+    give(info, info_of(sgi::decode_header({payload.data(), payload.size()})), kMinInfo, "sgi_info");
+  });
 }
 
 sgi_status sgi_open_memory(const void *bytes, size_t size, const sgi_options *options, sgi_stream **stream) {
@@ -235,6 +155,13 @@ sgi_status sgi_get_range(sgi_stream *stream, uint32_t channel, float *low, float
   });
 }
 
+sgi_status sgi_get_max_error(sgi_stream *stream, double *max_error) {
+  return guarded([&] {
+    require(max_error, "a null pointer for the error");
+    *max_error = checked(stream).stream.max_error();
+  });
+}
+
 sgi_status sgi_get_metadata(sgi_stream *stream, sgi_metadata kind, const void **bytes, size_t *size) {
   return guarded([&] {
     require(bytes && size, "a null pointer for the metadata");
@@ -248,23 +175,12 @@ sgi_status sgi_get_metadata(sgi_stream *stream, sgi_metadata kind, const void **
   });
 }
 
-sgi_status sgi_draw(sgi_stream *stream, const sgi_view *view, void *buffer, size_t stride) {
-  return guarded([&] {
-    sgi::Stream &drawn = checked(stream).stream;
-    const sgi_view wanted = taken(view, kMinView, "sgi_view");
-    const sgi::PictureView shown = picture_view(wanted, drawn.header());
-    check_buffer(buffer, stride, wanted, drawn.header());
-    constexpr sgi::Output outputs[] = {sgi::Output::u8, sgi::Output::u16, sgi::Output::f32};
-    const sgi::DrawOptions how{wanted.exact != 0, !wanted.no_dither, wanted.lossy != 0};
-    drawn.draw(shown, 0, shown.rows, outputs[wanted.sample], how, buffer, int64_t(stride));
-  });
-}
-
 sgi_status sgi_verify(sgi_stream *stream, uint32_t *crc) {
   return guarded([&] {
     sgi::Stream &verified = checked(stream).stream;
     const uint32_t found = verified.survey().symbol_crc;
     if (verified.has_overview()) verified.overview().survey();
+    verified.check_exact();
     if (crc) *crc = found;
   });
 }

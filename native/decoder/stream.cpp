@@ -165,6 +165,23 @@ double Stream::max_error() {
   return blocks ? blocks->max_error() : -1;
 }
 
+void Stream::check_exact() {
+  const Lock lock(parts_->turn);
+  if (!exact_blocks()) return;
+  constexpr int64_t kSamples = int64_t(1) << 24;  // at a time, or a block
+  const Output own = own_output(header());
+  const int64_t pixel = header().spec.channels * SampleFormat(header(), own, std::nullopt).sample_bytes();
+  const int64_t blocks = std::max<int64_t>(1, kSamples / (kResidualBlock * kResidualBlock * header().spec.channels));
+  const int64_t side = std::min(header().width, blocks * kResidualBlock);
+  std::vector<uint8_t> samples(size_t(side * kResidualBlock * pixel));
+  for (int64_t y = 0; y < header().height; y += kResidualBlock)
+    for (int64_t x = 0; x < header().width; x += side) {
+      const int64_t columns = std::min(side, header().width - x), rows = std::min(kResidualBlock, header().height - y);
+      draw({double(x), double(y), 1, 1, columns, rows}, 0, rows, own, {true, false, false}, samples.data(),
+           columns * pixel);
+    }
+}
+
 const Survey &Stream::survey() {
   const Lock lock(parts_->turn);
   if (parts_->survey) return *parts_->survey;

@@ -52,6 +52,8 @@ class Stream {
   const Survey &survey();
   // By how much samples are off the source's at most where the residual layer is drawn; -1 where there is none.
   double max_error();
+  // Decodes all of the residual layer, if there is one. Throws Error for one that is not sound.
+  void check_exact();
   // Whether views at any scale and in any type are made from what the residual layer makes exact.
   bool has_exact_views();
   // Whether the layer does so in some cells alone, those of text and line art.

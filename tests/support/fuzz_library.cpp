@@ -73,14 +73,18 @@ void draw(sgi_stream *stream, const sgi_info &info, Numbers &numbers) {
   view.height = 1 + numbers.below(std::min(info.height, 4096u));
   view.x = numbers.below(info.width - uint32_t(view.width) + 1) + (view.boundless ? numbers.below(100) / 8.0 - 6 : 0);
   view.y = numbers.below(info.height - uint32_t(view.height) + 1) + (view.boundless ? numbers.below(100) / 8.0 - 6 : 0);
-  const size_t bytes = kBytes[view.sample], row = view.columns * info.channels * bytes;
+  if (info.layout != SGI_LAYOUT_MULTI) view.pixels = int(numbers.below(3));
+  if (view.pixels) view.premultiplied = int(numbers.below(2));
+  view.first_row = numbers.below(view.rows), view.row_count = numbers.below(view.rows - view.first_row + 1);
+  const size_t rows = view.row_count ? view.row_count : view.rows - view.first_row;
+  const size_t bytes = kBytes[view.sample], row = view.columns * (view.pixels ? 4 : info.channels) * bytes;
   const size_t padding = bytes * numbers.below(5), stride = row + padding;
-  std::vector<uint8_t> buffer(stride * (view.rows - 1) + row, 0xA5);
+  std::vector<uint8_t> buffer(stride * (rows - 1) + row, 0xA5);
   if (told(sgi_draw(stream, &view, buffer.data(), stride))) return;
-  for (size_t y = 0; y + 1 < view.rows; ++y)
+  for (size_t y = 0; y + 1 < rows; ++y)
     for (size_t i = row; i < stride; ++i) EXPECT(buffer[y * stride + i] == 0xA5);
   const bool is_finite = view.sample == SGI_SAMPLE_F32 && info.sample != SGI_SAMPLE_F32;  // of floats some are exact
-  for (size_t y = 0; y < view.rows && is_finite; ++y)
+  for (size_t y = 0; y < rows && is_finite; ++y)
     for (size_t i = 0; i < row; i += 4) {
       float sample;
       std::memcpy(&sample, &buffer[y * stride + i], 4);
@@ -101,6 +105,8 @@ void use(sgi_stream *stream, Numbers &numbers) {
     float low, high;
     EXPECT(told(sgi_get_range(stream, channel, &low, &high)) == SGI_OK && low < high);
   }
+  double max_error;
+  if (told(sgi_get_max_error(stream, &max_error)) == SGI_OK) EXPECT(max_error == -1 || max_error >= 0);
   for (int kind = SGI_METADATA_ICC; kind <= SGI_METADATA_SOFTWARE; ++kind) {
     const void *bytes;
     size_t size;
@@ -128,6 +134,10 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
   const sgi_status status = told(sgi_open_memory(data, size, &options, &stream));
   EXPECT((status == SGI_OK) == (stream != nullptr));
   const std::string text = sgi_error();
+  const std::vector<uint8_t> start(data, data + std::min(size, size_t(numbers.below(300))));
+  sgi_info probed = SGI_INFO_INIT;
+  const sgi_status header = told(sgi_probe(start.data(), start.size(), &probed));
+  if (stream) EXPECT(header == SGI_OK || header == SGI_ERROR_SOURCE);
   if (stream) use(stream, numbers);
   sgi_close(stream);
 

@@ -93,6 +93,8 @@ class View(ctypes.Structure):
         *((name, ctypes.c_double) for name in ("x", "y", "width", "height")),
         *((name, ctypes.c_uint32) for name in ("columns", "rows")),
         *((name, ctypes.c_int) for name in ("sample", "boundless", "exact", "no_dither", "lossy")),
+        *((name, ctypes.c_int) for name in ("pixels", "premultiplied")),
+        *((name, ctypes.c_uint32) for name in ("first_row", "row_count")),
     )
 
 
@@ -118,6 +120,12 @@ class Library:
         status = getattr(self.c, name)(*arguments)
         if status:
             raise LibraryError(STATUS[status], self.c.sgi_error().decode())
+
+    def probe(self, data: bytes) -> Info:
+        """What the first bytes of a file say."""
+        found = Info(ctypes.sizeof(Info))
+        self.call("sgi_probe", data, ctypes.c_size_t(len(data)), ctypes.byref(found))
+        return found
 
     def open(self, data: bytes, options: Options | None = None) -> Handle:
         """Opens a stream in memory."""
@@ -171,6 +179,11 @@ class Handle:
         self.library.call("sgi_get_range", self.stream, ctypes.c_uint32(channel), *out)
         return low.value, high.value
 
+    def max_error(self) -> float:
+        found = ctypes.c_double()
+        self.library.call("sgi_get_max_error", self.stream, ctypes.byref(found))
+        return found.value
+
     def metadata(self, kind: int) -> bytes | None:
         data, size = ctypes.c_void_p(), ctypes.c_size_t()
         self.library.call("sgi_get_metadata", self.stream, kind, ctypes.byref(data), ctypes.byref(size))
@@ -189,11 +202,12 @@ class Handle:
 
     def draw(self, padding: int = 0, **fields: Any) -> NDArray[Any]:
         """Samples [rows, columns, C]; `padding` more in each row are there, and must not change."""
-        view, channels = self.view(**fields), self.info().channels
-        rows = np.full((view.rows, view.columns * channels + padding), 77, SAMPLES[view.sample])
+        view = self.view(**fields)
+        channels, count = 4 if view.pixels else self.info().channels, view.row_count or view.rows - view.first_row
+        rows = np.full((count, view.columns * channels + padding), 77, SAMPLES[view.sample])
         self.draw_into(view, rows.ctypes.data, rows.strides[0])
         assert (rows[:, view.columns * channels :] == 77).all()
-        return rows[:, : view.columns * channels].reshape(view.rows, view.columns, channels)
+        return rows[:, : view.columns * channels].reshape(count, view.columns, channels)
 
     def verify(self) -> int:
         crc = ctypes.c_uint32()

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import configparser
+import re
 import subprocess
 import sys
 import sysconfig
 import tarfile
+import tomllib
 from importlib.metadata import files
 from pathlib import Path
 
@@ -64,6 +66,26 @@ def sdist(tmp_path_factory: pytest.TempPathFactory) -> dict[str, int]:
 
 def test_the_sdist_has_what_a_build_needs(sdist: dict[str, int]) -> None:
     needed = {"pyproject.toml", "CMakeLists.txt", "README.md", "LICENSE", "tests/conformance/golden/manifest.json"}
-    for folder, pattern in (("native", "*.?pp"), ("sgicodec", "*.py"), ("sgicodec", "*.bin"), ("share", "*.*")):
+    for folder, pattern in (
+        *(("native", "*.?pp"), ("sgicodec", "*.py"), ("sgicodec", "*.bin"), ("share", "*.*")),
+        *(("programs", "*"), ("gdk-pixbuf", "*"), ("packaging", "*")),
+    ):
         needed |= {path.relative_to(ROOT).as_posix() for path in (ROOT / folder).rglob(pattern) if path.is_file()}
     assert needed - set(sdist) == set()
+
+
+def test_recipes_have_the_version_and_the_dependencies_of_the_package() -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
+    recipe = (ROOT / "packaging" / "conda" / "recipe.yaml").read_text("utf-8")
+    assert f"version: {project['version']}\n" in recipe
+    run = recipe.split("\n  run:\n")[1].split("\n\n")[0]
+    names = {"OpenImageIO": "py-openimageio", "isal": "python-isal"}
+    expected = {f"python {project['requires-python']}"}
+    for package in project["dependencies"]:
+        name, bounds = re.fullmatch(r"(\w+)(.*)", package).groups()  # type: ignore[union-attr]
+        expected.add(f"{names.get(name, name)} {bounds}")
+    assert {line.removeprefix("    - ") for line in run.splitlines()} == expected
+    changelog = (ROOT / "packaging" / "debian" / "changelog").read_text("utf-8")
+    assert changelog.startswith(f"sgicodec ({project['version']}-1) ")
+    control = (ROOT / "packaging" / "debian" / "control").read_text("utf-8")
+    assert f"Package: libsgi{project['version'].rpartition('.')[0]}\n" in control

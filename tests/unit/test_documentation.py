@@ -93,3 +93,13 @@ def test_named_files_exist(page: Path) -> None:
     named = re.findall(rf"`((?:{folders})/[\w./-]*)`", page.read_text("utf-8"))
     made_by_tests = {"docs/results/large.tsv"}
     assert [path for path in named if not (ROOT / path).exists() and path not in made_by_tests] == []
+
+
+def test_the_citation_is_of_this_version_and_names_the_paper() -> None:
+    text = (ROOT / "CITATION.cff").read_text("utf-8")
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
+    paper = re.search(r"arxiv\.org/abs/([\d.]+)", (ROOT / "README.md").read_text("utf-8"))
+    assert paper
+    assert re.search(r"^version: (.*)$", text, re.MULTILINE)[1] == project["version"]
+    assert re.search(r"^license: (.*)$", text, re.MULTILINE)[1] == project["license"]
+    assert f"https://arxiv.org/abs/{paper[1]}" in text

@@ -32,6 +32,17 @@ def test_every_flipped_byte_is_found(sgi: Run, stream: Path) -> None:
         assert result.stderr.count("\n") == 1
 
 
+def test_a_residual_layer_is_verified(sgi: Run, tmp_path: Path) -> None:
+    """All of it but its first fields: N may be another number, with samples that are as they were."""
+    golden = Path(__file__).parents[2] / "conformance" / "golden" / "gray16-lossless-blocks.sgi"
+    whole, path = golden.read_bytes(), tmp_path / "a.sgi"
+    path.write_bytes(whole)
+    assert sgi("verify", path).exit_code == 0
+    for at in range(140, len(whole), len(whole) // 80):
+        path.write_bytes(whole[:at] + bytes([whole[at] ^ 0x10]) + whole[at + 1 :])
+        assert sgi("verify", path).exit_code == 4, at
+
+
 def test_an_overview_is_verified(sgi: Run, tmp_path: Path) -> None:
     out = tmp_path / "out.sgi"
     settings = EncodeSettings(steps=1, tile=32, overview=True)

@@ -39,6 +39,13 @@ WRONG_VIEWS = [
     ({"columns": 2**16, "rows": 2**16}, "usage", "too many for one call"),
     ({"sample": 3}, "usage", "no sgi_sample"),
     ({"sample": -1}, "usage", "no sgi_sample"),
+    ({"pixels": 3}, "usage", "no sgi_pixels"),
+    ({"pixels": -1}, "usage", "no sgi_pixels"),
+    ({"premultiplied": 1}, "usage", "goes with RGBA and BGRA"),
+    ({"first_row": 128}, "usage", "rows that the view lacks"),
+    ({"first_row": 100, "row_count": 29}, "usage", "rows that the view lacks"),
+    ({"first_row": 2**32 - 1, "row_count": 2}, "usage", "rows that the view lacks"),
+    ({"row_count": 129}, "usage", "rows that the view lacks"),
 ]
 
 
@@ -94,6 +101,10 @@ def test_null_pointers_are_refused(library: Library) -> None:
         ("sgi_get_range", none, 0, ctypes.byref(number), ctypes.byref(number)),
         ("sgi_get_range", handle.stream, 0, None, ctypes.byref(number)),
         ("sgi_get_range", handle.stream, 0, ctypes.byref(number), None),
+        ("sgi_get_max_error", none, ctypes.byref(number)),
+        ("sgi_get_max_error", handle.stream, None),
+        ("sgi_probe", none, size, ctypes.byref(Info(ctypes.sizeof(Info)))),
+        ("sgi_probe", data, size, None),
         ("sgi_get_metadata", none, 0, ctypes.byref(out), ctypes.byref(size)),
         ("sgi_get_metadata", handle.stream, 0, None, ctypes.byref(size)),
         ("sgi_get_metadata", handle.stream, 0, ctypes.byref(out), None),

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import ctypes
+import os
 import shutil
 import subprocess
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -43,10 +45,67 @@ def test_the_example_draws_golden_streams(path: Path, decoder: Path, tmp_path: P
         np.testing.assert_array_equal(shown, expected[..., : shown.shape[2]])
 
 
-@pytest.mark.parametrize("compiler", [["cc", "-x", "c", "-std=c99"], ["c++", "-x", "c++", "-std=c++11"]])
-def test_the_header_compiles_alone(compiler: list[str], tmp_path: Path) -> None:
+@pytest.fixture(scope="module")
+def thumbnail(example: Callable[..., Path]) -> Path:
+    """examples/thumbnail.c"""
+    return example("thumbnail")
+
+
+@pytest.mark.skipif(not shutil.which("pkg-config"), reason="needs pkg-config")
+@pytest.mark.parametrize("path", GOLDEN, ids=lambda path: path.stem)
+def test_the_example_of_a_window_draws_golden_streams(path: Path, thumbnail: Path, tmp_path: Path) -> None:
+    """Pixels with alpha multiplied in; what has no colours is refused."""
+    out = tmp_path / "out.bmp"
+    done = subprocess.run([thumbnail, path, out, "80"], capture_output=True, text=True)
+    with sgicodec.open(path) as stream:
+        if stream.header.channels == "multi":
+            assert (done.returncode, done.stderr.endswith("draw the channels\n")) == (1, True)
+            return
+        size = stream.width, stream.height
+    assert (done.returncode, done.stdout, done.stderr) == (0, "{}×{} pixels\n".format(*size), "")
+    data = out.read_bytes()
+    shown = np.frombuffer(data[54:], np.uint8)
+    columns, rows = np.frombuffer(data[18:26], "<i4")
+    with Image.open(out) as image:
+        assert image.size == (columns, -rows)
+        assert max(image.size) == min(80, max(size))
+        np.testing.assert_array_equal(np.asarray(image.convert("RGB")), shown.reshape(-rows, columns, 4)[..., 2::-1])
+
+
+@pytest.mark.skipif(not shutil.which("pkg-config"), reason="needs pkg-config")
+def test_all_memory_comes_from_operator_new(example: Callable[..., Path], tmp_path: Path) -> None:
+    """With as little as it takes, and less, a call ends with a status, whatever it was doing."""
+    program = example("decode", "bounded_memory")
+    ends: dict[int, int] = {}
+    for bound in (1, *(1 << n for n in range(10, 26))):
+        command = [program, ROOT / "tests" / "conformance" / "golden" / "rgb8-tiles-texture.sgi", tmp_path / "out.ppm"]
+        done = subprocess.run(command, env=os.environ | {"SGI_BYTES": str(bound)}, capture_output=True, text=True)
+        ends[bound] = done.returncode
+        assert done.returncode == 0 or done.stderr.endswith(": the system has no memory left\n")
+    assert ends[1] == ends[1 << 16] == 1
+    assert ends[1 << 25] == 0
+    assert sorted(ends.values(), reverse=True) == list(ends.values())
+
+
+CXX = ["c++", "-x", "c++", "-std=c++11"]
+
+
+@pytest.mark.parametrize(
+    ("compiler", "include"),
+    [
+        (["cc", "-x", "c", "-std=c99"], '#include "sgi.h"'),
+        (CXX, '#include "sgi.h"'),
+        (CXX, 'extern "C" {\n#include "sgi.h"\n}'),
+    ],
+)
+def test_the_header_compiles_alone(compiler: list[str], include: str, tmp_path: Path) -> None:
     source = tmp_path / "use"
-    source.write_text('#include "sgi.h"\nint main(void) { return sgi_version()[0] == 0; }\n')
+    source.write_text(
+        f"{include}\nint main(void) {{\n"
+        "  sgi_options options = SGI_OPTIONS_INIT;\n  sgi_info info = SGI_INFO_INIT;\n"
+        "  sgi_view view = SGI_VIEW_INIT;\n"
+        "  return (options.struct_size + info.struct_size + view.struct_size) == 0;\n}\n"
+    )
     command = [*compiler, "-pedantic", "-Wall", "-Wextra", "-Werror", "-fsyntax-only", f"-I{HEADER.parent}", source]
     subprocess.run(command, check=True)
 

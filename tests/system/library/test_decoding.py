@@ -70,6 +70,21 @@ def test_it_tells_and_draws_what_python_does(path: Path, library: Library) -> No
         np.testing.assert_array_equal(handle.draw(boundless=1, **size), beyond)
 
 
+@pytest.mark.parametrize("name", ["gray16-lossless-blocks", "rgb8-tiles-lossless", "float-near"])
+def test_damage_in_a_residual_layer_is_found(name: str, library: Library) -> None:
+    data = golden(name)
+    library.open(data).verify()
+    with sgicodec.open(data) as stream:
+        residual = stream.chunk_bytes["r"]
+    start = data.index(b"r", 30)
+    for at in range(start + 120, start + residual - 4, residual // 20):
+        damaged = bytearray(data)
+        damaged[at] ^= 0x10
+        with pytest.raises(LibraryError) as caught:
+            library.open(bytes(damaged)).verify()
+        assert caught.value.status == "corrupt"
+
+
 @pytest.mark.parametrize("returned", [-1, -(2**63), 2**62])
 @pytest.mark.parametrize("after", [0, 1, 3])
 def test_a_callback_that_fails_is_an_error_of_the_source(library: Library, returned: int, after: int) -> None:
