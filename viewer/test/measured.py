@@ -1,4 +1,4 @@
-"""Writes streams whose metadata says how large a pixel is, on the ground or under a microscope: python measured.py DIR"""
+"""Writes streams whose metadata says how large a pixel is, on the ground or in a microscope: python measured.py DIR"""
 
 from __future__ import annotations
 
