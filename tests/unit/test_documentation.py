@@ -87,6 +87,14 @@ def test_the_api_page_has_every_public_name() -> None:
     assert documented == {field.name for field in fields(sgicodec.EncodeSettings)}
 
 
+def test_the_api_page_has_the_defaults() -> None:
+    table = (ROOT / "docs" / "api.md").read_text("utf-8").split("## Settings")[1].split("\n## ")[0]
+    rows = re.findall(r"^\| (`.*?) \| (`?[\w\"]+`?) \|", table, re.MULTILINE)
+    stated = {name: default.strip("`") for names, default in rows for name in re.findall(r"`(\w+)`", names)}
+    real = {field.name: field.default for field in fields(sgicodec.EncodeSettings)}
+    assert stated == {name: f'"{value}"' if isinstance(value, str) else str(value) for name, value in real.items()}
+
+
 @pytest.mark.parametrize("page", TODAY, ids=name_of)
 def test_named_files_exist(page: Path) -> None:
     folders = "sgicodec|native|tests|docs|benchmarks|tools|cuda"
