@@ -101,3 +101,19 @@ def test_named_files_exist(page: Path) -> None:
     named = re.findall(rf"`((?:{folders})/[\w./-]*)`", page.read_text("utf-8"))
     made_by_tests = {"docs/results/large.tsv"}
     assert [path for path in named if not (ROOT / path).exists() and path not in made_by_tests] == []
+
+
+def test_the_first_screen_has_the_figures_of_the_ladder() -> None:
+    """Bytes, seconds and milliseconds in README.md, both values of each, are those of the two tables of the log."""
+    log = (LOGS / "2026-11-ladder.md").read_text("utf-8").split("**The ladder then**")[1]
+    names = {"`sgi encode -e 1`": "sgi -e 1", "`sgi encode`": "sgi -e 3", "AVIF": "avif-iq", "JPEG XL": "jxl"}
+    rows = re.findall(
+        r"^\| (.*?)(?:, .*?)? \| (.*?) \| (.*?) \| (.*?) \|$", (ROOT / "README.md").read_text("utf-8"), re.M
+    )
+    stated = {names[name]: cells for name, *cells in rows if name in names}
+    assert len(stated) == len(names)
+    for name, (size, encode, decode) in stated.items():
+        printed = re.findall(rf"^\| {name} \| ([\d.]+) \| [\d.]+ \| (\d+) \| (\S+) %", log, re.M)[:2]
+        wanted = [list(values) for values in zip(*printed, strict=True)]
+        found = [encode.split("; "), decode.split("; "), [value.removesuffix(" %") for value in size.split("; ")]]
+        assert found == wanted if size != "0" else found[:2] == wanted[:2], name
