@@ -89,7 +89,25 @@ def __getattr__(name: str) -> Any:
     if name in _HOMES:
         module, _, attribute = _HOMES[name].rpartition(".")
         return getattr(import_module(f"sgicodec.{module}"), attribute)
+    if name == "_native":  # asked for before the import system looks for the module
+        return _extension()
     raise AttributeError(f"module 'sgicodec' has no attribute {name!r}")
+
+
+def _extension() -> Any:
+    """The compiled part. Raises ImportError that says what to do where this folder holds the sources alone."""
+    try:
+        return import_module("sgicodec._native")
+    except ModuleNotFoundError as error:
+        if error.name != "sgicodec._native":
+            raise
+        from pathlib import Path
+
+        clone = Path(__file__).resolve().parents[1]
+        raise ImportError(
+            f"the sgicodec in {clone} is not compiled: run pip install -e . there; or pip install . and start Python "
+            "in another folder, since there the sources hide what is installed"
+        ) from None
 
 
 def __dir__() -> list[str]:

@@ -55,6 +55,11 @@ class Curve:
             return math.nan
         return float(PchipInterpolator(self.log_rates, self.qualities, extrapolate=False)(math.log(rate)))
 
+    def log_rates_at(self, qualities: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+        """Logarithms of the rate at qualities inside the curve, which has two points at least."""
+        found: npt.NDArray[np.float64] = PchipInterpolator(self.qualities, self.log_rates)(qualities)
+        return found
+
 
 def bd_rate(anchor: Curve, test: Curve, within: tuple[float, float] = (-math.inf, math.inf)) -> Delta:
     """Mean difference in rate of `test` against `anchor` at equal quality, in percent; negative is smaller.

@@ -5,9 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
+import numpy as np
+
 from sgicodec.bench.bdrate import Curve, Delta, bd_quality, bd_rate
+from sgicodec.bench.confidence import interval
 from sgicodec.bench.measures import MEASURES
 from sgicodec.bench.rows import Row
 
@@ -44,6 +48,13 @@ class Comparison:
     def mean_rate(self) -> float:
         """Mean of the pictures' BD-rates in percent, over those that have one."""
         return _mean([delta.value for delta in self.rates.values()])
+
+    @cached_property
+    def interval(self) -> tuple[float, float]:
+        """The ends of the confidence interval of `mean_rate` over pictures; not-a-number for too few."""
+        known = [delta.value for delta in self.rates.values() if not math.isnan(delta.value)]
+        low, high = interval(np.array(known))
+        return float(low), float(high)
 
     @property
     def mean_quality(self) -> float:
@@ -185,6 +196,7 @@ def _comparison_json(comparison: Comparison) -> dict[str, Any]:
         "anchor": comparison.anchor,
         "measure": comparison.measure,
         "mean_bd_rate_percent": _plain(comparison.mean_rate),
+        "bd_rate_interval_percent": [_plain(end) for end in comparison.interval],
         "mean_bd_quality": _plain(comparison.mean_quality),
         "pictures": pictures,
     }

@@ -74,7 +74,9 @@ def _other(comparison: Comparison) -> str:
 def _mean_cell(comparison: Comparison) -> str:
     known = sum(delta.reason is None for delta in comparison.rates.values())
     some = "" if known == len(comparison.rates) else f" (of {known})"
-    return _cell(comparison.mean_rate, "+.1f") + some
+    low, high = comparison.interval
+    ends = "" if math.isnan(low) else f" ({low:+.1f} to {high:+.1f})"
+    return _cell(comparison.mean_rate, "+.1f") + ends + some
 
 
 def _time_table(summary: Summary) -> Table:

@@ -6,21 +6,33 @@ from pathlib import Path
 from typing import NamedTuple, Protocol
 
 from sgicodec.bitstream.recognition import looks_like_stream
-from sgicodec.errors import UsageError
+from sgicodec.bitstream.stream_summary import StreamSummary
+from sgicodec.errors import StreamError, UsageError
 from sgicodec.server.refusal import Refusal
 
-__all__ = ["Catalog", "Folder", "ListedFiles", "Listing"]
+__all__ = ["Catalog", "Folder", "ListedFiles", "ListedStream", "Listing"]
 
 SUFFIX = ".sgi"
 MAX_LISTED = 2000
 """Names that one listing shows."""
 
 
+class ListedStream(NamedTuple):
+    """name: of the file; bytes: its size; size: width and height in pixels, None where the header is damaged;
+    has_overview: whether it carries the picture in small.
+    """
+
+    name: str
+    bytes: int
+    size: tuple[int, int] | None
+    has_overview: bool
+
+
 class Listing(NamedTuple):
-    """Names of folders and of streams, and whether there are more than these."""
+    """Names of folders, streams, and whether there are more than these."""
 
     folders: list[str]
-    streams: list[str]
+    streams: list[ListedStream]
     cut: bool
 
 
@@ -58,7 +70,7 @@ class Folder:
         """See `Catalog`."""
         folder = self._inside(name) if name else self.root
         folders: list[str] = []
-        streams: list[str] = []
+        streams: list[ListedStream] = []
         try:
             for path in sorted(folder.iterdir()):
                 if len(folders) + len(streams) == MAX_LISTED:
@@ -70,7 +82,7 @@ class Folder:
                 if path.is_dir():
                     folders.append(path.name)
                 elif path.suffix.lower() == SUFFIX and _is_stream(path):
-                    streams.append(path.name)
+                    streams.append(_listed(path.name, path))
         except OSError:
             raise _absent(name) from None
         return Listing(folders, streams, False)
@@ -105,7 +117,17 @@ class ListedFiles:
         """See `Catalog`."""
         if name:
             raise _absent(name)
-        return Listing([], sorted(self._files), False)
+        return Listing([], [_listed(each, self._files[each]) for each in sorted(self._files)], False)
+
+
+def _listed(name: str, path: Path) -> ListedStream:
+    """A stream with what its header says. Raises OSError."""
+    try:
+        with path.open("rb") as file:
+            found = StreamSummary(file)
+    except StreamError:
+        return ListedStream(name, path.stat().st_size, None, False)
+    return ListedStream(name, found.size, (found.header.width, found.header.height), found.has_overview)
 
 
 def _is_stream(path: Path) -> bool:

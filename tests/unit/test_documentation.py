@@ -87,6 +87,14 @@ def test_the_api_page_has_every_public_name() -> None:
     assert documented == {field.name for field in fields(sgicodec.EncodeSettings)}
 
 
+def test_the_api_page_has_the_defaults() -> None:
+    table = (ROOT / "docs" / "api.md").read_text("utf-8").split("## Settings")[1].split("\n## ")[0]
+    rows = re.findall(r"^\| (`.*?) \| (`?[\w\"]+`?) \|", table, re.MULTILINE)
+    stated = {name: default.strip("`") for names, default in rows for name in re.findall(r"`(\w+)`", names)}
+    real = {field.name: field.default for field in fields(sgicodec.EncodeSettings)}
+    assert stated == {name: f'"{value}"' if isinstance(value, str) else str(value) for name, value in real.items()}
+
+
 @pytest.mark.parametrize("page", TODAY, ids=name_of)
 def test_named_files_exist(page: Path) -> None:
     folders = "sgicodec|native|tests|docs|benchmarks|tools|cuda"
@@ -103,3 +111,19 @@ def test_the_citation_is_of_this_version_and_names_the_paper() -> None:
     assert re.search(r"^version: (.*)$", text, re.MULTILINE)[1] == project["version"]
     assert re.search(r"^license: (.*)$", text, re.MULTILINE)[1] == project["license"]
     assert f"https://arxiv.org/abs/{paper[1]}" in text
+
+
+def test_the_first_screen_has_the_figures_of_the_ladder() -> None:
+    """Bytes, seconds and milliseconds in README.md, both values of each, are those of the two tables of the log."""
+    log = (LOGS / "2026-11-ladder.md").read_text("utf-8").split("**The ladder then**")[1]
+    names = {"`sgi encode -e 1`": "sgi -e 1", "`sgi encode`": "sgi -e 3", "AVIF": "avif-iq", "JPEG XL": "jxl"}
+    rows = re.findall(
+        r"^\| (.*?)(?:, .*?)? \| (.*?) \| (.*?) \| (.*?) \|$", (ROOT / "README.md").read_text("utf-8"), re.M
+    )
+    stated = {names[name]: cells for name, *cells in rows if name in names}
+    assert len(stated) == len(names)
+    for name, (size, encode, decode) in stated.items():
+        printed = re.findall(rf"^\| {name} \| ([\d.]+) \| [\d.]+ \| (\d+) \| (\S+) %", log, re.M)[:2]
+        wanted = [list(values) for values in zip(*printed, strict=True)]
+        found = [encode.split("; "), decode.split("; "), [value.removesuffix(" %") for value in size.split("; ")]]
+        assert found == wanted if size != "0" else found[:2] == wanted[:2], name

@@ -39,7 +39,7 @@ HOMES = {
     "isal": ("sgicodec/image/png_output.py",),
     "threadpoolctl": ("sgicodec/encoder/tiles/runner.py", "benchmarks/raster.py"),
     "click": ("sgicodec/cli/", "sgicodec/bench/", "benchmarks/", "tools/"),
-    "scipy": ("sgicodec/metrics/similarity.py", "sgicodec/bench/bdrate.py"),
+    "scipy": ("sgicodec/metrics/similarity.py", "sgicodec/bench/bdrate.py", "sgicodec/bench/confidence.py"),
     "ssimulacra2": ("sgicodec/metrics/perceptual.py",),
     "flip_evaluator": ("sgicodec/metrics/perceptual.py",),
     "pycvvdp": ("sgicodec/metrics/perceptual.py",),

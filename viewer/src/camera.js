@@ -25,6 +25,20 @@ export class Camera {
     this.y = this.height / 2;
   }
 
+  /** Whether it shows the picture as `fit` does. */
+  get isFit() {
+    const scale = Math.min(this.fitting, MOST_ENLARGED);
+    const isWhole = Math.abs(this.scale / scale - 1) < 1e-6;
+    return isWhole && Math.abs(this.x - this.width / 2) * scale < 1 && Math.abs(this.y - this.height / 2) * scale < 1;
+  }
+
+  /** Shows a point of the picture in the middle, at a scale. */
+  lookAt({ x, y, scale }) {
+    this.scale = Math.min(MOST_ENLARGED, Math.max(this.least, scale));
+    Object.assign(this, { x, y });
+    this.hold();
+  }
+
   toScreen(x, y) {
     return [(x - this.x) * this.scale + this.columns / 2, (y - this.y) * this.scale + this.rows / 2];
   }

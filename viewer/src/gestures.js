@@ -16,8 +16,8 @@ const KEYS = {
   1: (camera) => camera.zoomTo(1),
 };
 
-/** Has the canvas listen. Returns a function that ends it. */
-export function listen(scene, canvas) {
+/** Has the canvas listen, and what lies over it pass the wheel on. Returns a function that ends it. */
+export function listen(scene, canvas, over = []) {
   const pointers = new Map();
   const ratio = () => canvas.width / canvas.clientWidth;
   const place = (event) => {
@@ -56,7 +56,9 @@ export function listen(scene, canvas) {
 
   const all = { pointerdown: down, pointermove: move, pointerup: up, pointercancel: up, wheel, dblclick: twice, keydown: key };
   for (const [name, listener] of Object.entries(all)) canvas.addEventListener(name, listener, { passive: false });
+  for (const element of over) element.addEventListener("wheel", wheel, { passive: false });
   return () => {
+    for (const element of over) element.removeEventListener("wheel", wheel);
     for (const [name, listener] of Object.entries(all)) canvas.removeEventListener(name, listener);
   };
 }

@@ -7,6 +7,8 @@ export interface PictureInfo {
   name: string;
   kind: "stream" | "picture" | "server";
   bytes: number;
+  /** The side of a pixel in metres, on the ground or under the microscope; null where the stream does not say it. */
+  pixelMetres?: number | null;
 }
 
 /** A part of a picture, in its pixels, and how many pixels it is drawn with. */
@@ -51,6 +53,8 @@ export interface Camera {
   fit(): void;
   show(region: { x: number; y: number; width: number; height: number }): void;
   zoomTo(scale: number): void;
+  /** Shows a point of the picture in the middle. */
+  lookAt(view: { x: number; y: number; scale: number }): void;
 }
 
 /** Shows a picture on a canvas. Events: "moved", "drawn", "failed" (detail: the error). */
@@ -61,6 +65,8 @@ export class Scene extends EventTarget {
   open(decoder: Decoder): void;
   /** Shows a second picture to the right of the split; null: none. */
   compare(decoder: Decoder | null): void;
+  /** Shows the difference of both pictures, `factor` times as large (a power of two); 0: shows them side by side. */
+  showDifference(factor: number): void;
   move(change: (camera: Camera) => void): void;
   close(): void;
 }

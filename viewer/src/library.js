@@ -81,6 +81,15 @@ class Stream {
     return this.library.within(size, (at) => work(this.library.exports, at));
   }
 
+  /** A copy of metadata, by the letter of its chunk (docs/format.md); null where there is none. */
+  metadata(letter) {
+    return this.call(4, (exports, at) => {
+      const size = exports.viewer_metadata(this.stream, letter.charCodeAt(0), at);
+      const [first] = new Uint32Array(exports.memory.buffer, at, 1);
+      return size ? new Uint8Array(exports.memory.buffer, first, size).slice() : null;
+    });
+  }
+
   /** Pixels of a view, as of ImageData: red, green, blue, alpha. */
   draw({ x, y, width, height, columns, rows }) {
     return this.call(4 * columns * rows, (exports, at) => {

@@ -1,6 +1,7 @@
 /** What the canvas shows: a picture, perhaps a second one beside it, and the ellipses of Gaussians. */
 
 import { Camera } from "./camera.js";
+import { drawDifference } from "./difference.js";
 import { Ellipses } from "./ellipses.js";
 import { Stage } from "./gpu/stage.js";
 import { Layer } from "./layer.js";
@@ -18,6 +19,7 @@ export class Scene extends EventTarget {
     this.layers = [];
     this.failed = (error) => this.dispatchEvent(new CustomEvent("failed", { detail: error }));
     this.split = 0.5; // where the second picture begins, of the canvas's width
+    this.difference = 0; // of both pictures, by how much it is amplified; 0: they lie side by side
     this.ellipses = null; // while they are shown
     this.drawnBy = ""; // the streams: "GPU", "CPU" or "GPU, CPU"
     this.why = ""; // a sentence: why the GPU does not draw all of them
@@ -54,6 +56,7 @@ export class Scene extends EventTarget {
 
   closeLayers(from) {
     for (const layer of this.layers.splice(from)) layer.close();
+    this.difference = 0;
     if (!from && this.ellipses) this.showEllipses(true);
   }
 
@@ -133,16 +136,16 @@ export class Scene extends EventTarget {
   columnsOf(number) {
     const { width } = this.canvas;
     const edge = Math.round(this.split * width);
-    if (this.layers.length < 2) return [0, width];
+    if (this.layers.length < 2 || this.difference) return [0, width];
     return number ? [edge, width] : [0, edge];
   }
 
   /** Has the GPU draw what it can. Returns the plan of each layer, null where workers draw. */
   drawByGpu() {
-    const { renderer } = this.stage;
+    const renderer = this.difference ? null : this.stage.renderer;
     const before = this.layers.map(({ planned }) => planned);
     const plans = this.layers.map((layer, number) => layer.plan(this.cameraOf(number), renderer));
-    for (const [number, plan] of plans.entries()) if (before[number] && !plan) this.keepFrame(number, before[number]);
+    for (const [number, plan] of plans.entries()) if (before[number] && !plan && !this.difference) this.keepFrame(number, before[number]);
     const parts = [...plans.entries()].filter(([, plan]) => plan?.shown.length).map(([number, { shown }]) => {
       const [first, stop] = this.columnsOf(number);
       return { shown, camera: this.cameraOf(number), first, stop };
@@ -173,6 +176,7 @@ export class Scene extends EventTarget {
   /** Why the GPU does not draw all of a stream, as a sentence; empty where it does. */
   whyOf({ decoder, models, planned, isPreview }, camera) {
     if (decoder.info.kind !== "stream") return "";
+    if (this.difference) return "Workers draw the difference.";
     if (!models) return "Workers draw: the picture has alpha, nodata, exact samples, or 8 bits of another range.";
     if (!planned) return this.stage.refusal || `Workers draw: ${models.refusal(camera)}.`;
     if (isPreview) return "The GPU draws a preview: workers restore the picture.";
@@ -188,19 +192,39 @@ export class Scene extends EventTarget {
     if (this.stage.shows) context.drawImage(this.stage.canvas, 0, 0);
     context.imageSmoothingEnabled = true;
     context.imageSmoothingQuality = "low"; // tiles have at most twice the screen's pixels; more costs frames
-    for (const [number, layer] of this.layers.entries()) {
-      context.save();
-      context.beginPath();
-      const [start, stop] = this.columnsOf(number);
-      context.rect(start, 0, stop - start, canvas.height);
-      context.clip();
-      if (plans[number]) layer.drawOver(context, this.cameraOf(number));
-      else layer.draw(context, this.cameraOf(number));
-      context.restore();
-    }
+    if (this.difference) this.drawBoth();
+    else for (const [number, plan] of plans.entries()) this.drawLayer(number, plan);
     this.say(plans);
     this.ellipses?.draw(context, this.camera);
     this.dispatchEvent(new Event("drawn"));
+  }
+
+  /** Draws a layer in its columns, over what the GPU drew of it. */
+  drawLayer(number, plan) {
+    const { context, canvas } = this;
+    const [start, stop] = this.columnsOf(number);
+    context.save();
+    context.beginPath();
+    context.rect(start, 0, stop - start, canvas.height);
+    context.clip();
+    if (plan) this.layers[number].drawOver(context, this.cameraOf(number));
+    else this.layers[number].draw(context, this.cameraOf(number));
+    context.restore();
+  }
+
+  /** Draws the difference of both pictures. */
+  drawBoth() {
+    const { width, height } = this.canvas;
+    const second = new OffscreenCanvas(width, height);
+    this.layers[0].draw(this.context, this.cameraOf(0));
+    this.layers[1].draw(second.getContext("2d"), this.cameraOf(1));
+    drawDifference(this.context, second, this.difference);
+  }
+
+  /** Shows `factor` times the difference of both pictures (a power of two); 0: shows them side by side. */
+  showDifference(factor) {
+    this.difference = factor;
+    this.moved();
   }
 
   /** Notes which of both draws the streams, and why. */

@@ -3,6 +3,7 @@
 import { ByteReader } from "./byte_reader.js";
 import { outlines } from "./ellipses.js";
 import { Library } from "./library.js";
+import { pixelSize } from "./pixel_size.js";
 
 const files = new Map(); // number of the file -> OpenStream or OpenPicture
 let library;
@@ -43,7 +44,8 @@ class OpenStream {
   }
 
   info() {
-    return this.stream.info;
+    const { info } = this.stream;
+    return { ...info, pixelMetres: pixelSize(this.stream.metadata("g"), this.stream.metadata("c"), info) };
   }
 
   draw(view) {

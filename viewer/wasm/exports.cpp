@@ -103,6 +103,16 @@ EMSCRIPTEN_KEEPALIVE void viewer_info(Stream *stream, double *facts) {
   std::copy(std::begin(found), std::end(found), facts);
 }
 
+// Metadata by the letter of its chunk (docs/format.md): its length, 0 where there is none; `*bytes` is valid until
+// `viewer_close`.
+EMSCRIPTEN_KEEPALIVE uint32_t viewer_metadata(Stream *stream, int letter, const uint8_t **bytes) {
+  const auto &blobs = stream->chunks().blobs();
+  const auto found = blobs.find(char(letter));
+  if (found == blobs.end()) return 0;
+  *bytes = found->second.data();
+  return uint32_t(found->second.size());
+}
+
 // Draws a region, which may reach over the picture, as columns x rows pixels. 0, or 1 for an error.
 EMSCRIPTEN_KEEPALIVE int viewer_draw(Stream *stream, double x, double y, double width, double height, int columns,
                                      int rows, uint8_t *rgba) {

@@ -2,12 +2,19 @@
 
 from __future__ import annotations
 
+import io
+import re
+from html import unescape
 from pathlib import Path
 
 import pytest
 from http_server import Client
+from PIL import Image
 
+import sgicodec
 from sgicodec.bitstream.container import SIGNATURE
+from sgicodec.server.catalog import Folder, ListedStream, Listing
+from sgicodec.server.listing_page import listing_page
 
 FILE = "/files/rgb8-tiles.sgi"
 
@@ -78,6 +85,51 @@ def test_listing(get: Client) -> None:
     assert "<b>" not in inside
     assert "/iiif/3/sub%20dir%2Fr%C3%A4ume%20%26%20%3Cb%3E.sgi/info.json" in inside
     assert get("/").headers["location"] == "/files/"
+
+
+def rows(page: str) -> dict[str, str]:
+    """What a listing says of each stream, by the stream's name."""
+    found = (row for row in re.findall("<tr>.*?</tr>", page) if 'class="number"' in row)
+    return {unescape(re.findall("<td>([^<]*)</td>", row)[0]): row for row in found}
+
+
+def test_a_listing_has_sizes_and_thumbnails(get: Client, folder: Path) -> None:
+    found = rows(get("/files/").text)
+    assert sorted(found) == sorted(
+        path.name
+        for path in folder.glob("*.sgi")
+        if path.is_file() and path.name not in ("link.sgi", "silicon.sgi", ".hidden.sgi")
+    )
+    for name, row in found.items():
+        count = (folder / name).stat().st_size
+        with sgicodec.open(folder / name.replace("damaged", "rgb8-tiles")) as stream:  # of equal size
+            size = f"{stream.width} × {stream.height}"
+        assert f">{size}<" in row
+        assert (f">{count / 1000:.1f} kB<" if count >= 1000 else f">{count} B<") in row
+    wide = re.search('<img src="([^"]+)" width="(\\d+)" height="(\\d+)" loading="lazy"', found["wide.sgi"])
+    assert wide
+    image = Image.open(io.BytesIO(get(wide[1]).body))
+    assert image.size == (int(wide[2]), int(wide[3])) == (128, 5)
+
+
+def test_a_listing_names_a_damaged_header(folder: Path, tmp_path: Path) -> None:
+    (tmp_path / "cut.sgi").write_bytes((folder / "wide.sgi").read_bytes()[:30])
+    assert Folder(tmp_path).listing("") == Listing([], [ListedStream("cut.sgi", 30, None, False)], False)
+
+
+def test_a_thumbnail_that_takes_long_is_left_out() -> None:
+    page = {
+        name: listing_page("", Listing([], [ListedStream("a.sgi", 10**7, size, has_overview)], False), "", True)
+        for name, size, has_overview in (
+            ("small", (2048, 2048), False),
+            ("large", (4096, 4096), False),
+            ("large with an overview", (4096, 4096), True),
+            ("damaged", None, False),
+        )
+    }
+    assert {name for name in page if "<img" in page[name]} == {"small", "large with an overview"}
+    assert "10.0 MB" in page["small"]
+    assert ">damaged<" in page["damaged"]
 
 
 @pytest.mark.parametrize("method", ["POST", "PUT", "DELETE"])

@@ -6,9 +6,11 @@ import io
 import json
 import math
 from collections.abc import Callable
+from pathlib import Path
 
 import pytest
 
+from sgicodec.bench.plots import write_plots
 from sgicodec.bench.rows import Row
 from sgicodec.bench.summary import Summary, summarise
 
@@ -108,3 +110,28 @@ def test_tables_show_what_was_computed(summary: Summary) -> None:
     assert rates[-1] == "–"  # the curve of a.png ends at 0.96 bpp
     assert times == ["2.000", "0.500", "300"]
     assert any("BD-rate in % against jpeg of" in line for line in lines)
+
+
+def test_intervals_over_pictures(tmp_path: Path) -> None:
+    """Of three pictures or more, in tables, JSON and the plot of savings."""
+    factors = {"a.png": 0.6, "b.png": 0.7, "c.png": 0.8}
+    points = [point for name in factors for point in rows("jpeg", name, steep)]
+    points += [point for name, factor in factors.items() for point in rows("sgi", name, steep, factor)]
+    found = summarise(points, ["sgi", "jpeg"])
+    low, high = found.comparisons[0].interval
+    assert -40.001 < low < -30 < high < -19.999
+    assert cells(printed(found), "mean, psnr") == [[f"-30.0 ({low:+.1f} to {high:+.1f})"]]
+    tree = json.loads(json.dumps(found.to_json(), allow_nan=False))
+    assert tree["comparisons"][0]["bd_rate_interval_percent"] == [low, high]
+    assert tmp_path / "savings.png" in write_plots(found, tmp_path)
+
+
+def test_two_pictures_have_no_interval(summary: Summary) -> None:
+    tree = json.loads(json.dumps(summary.to_json(), allow_nan=False))
+    assert tree["comparisons"][0]["bd_rate_interval_percent"] == [None, None]
+
+
+def test_curves_of_different_qualities_have_no_plot_of_savings(tmp_path: Path) -> None:
+    points = rows("jpeg", "a.png", steep) + rows("sgi", "a.png", lambda bpp: steep(bpp) + 40)
+    names = [path.name for path in write_plots(summarise(points, ["sgi", "jpeg"]), tmp_path)]
+    assert names == ["rd-mean.png", "time.png", "rd-a-00000000.png"]
