@@ -87,6 +87,8 @@ class DecodeJob:
         with self._opened(source) as stream:
             extension = self._extension(stream, target)
             target = with_extension(source, extension) if target is None else target
+            if self.output.compression is not None and self.output.pyramid_of(target) is None:
+                raise UsageError("--compress is of pyramids: give --cog, --pyramid or an OUT that ends in .ome.tif")
             if self.as_json and target == STANDARD:
                 raise UsageError("stdout cannot take both the picture and --json; name OUT")
             becomes: Literal["picture"] | None = None if self.named else "picture"
@@ -145,7 +147,7 @@ class DecodeJob:
         self.limits.check(bands.width, bands.height, bands.row_bytes * rows)
         if pyramid is not None:
             with row_progress(mode, bands.height) as draw:
-                write_pyramid(stream, view, target, pyramid, draw)
+                write_pyramid(stream, view, target, self.output, draw)
             return bands
         if not whole:
             with row_progress(mode, bands.height) as draw:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from sgicodec.cli.paths import STANDARD, write_output
 from sgicodec.errors import PictureError
+from sgicodec.plugins.compression import DEFLATE, Compression
 from sgicodec.plugins.ome_name import is_ome_name
 
 if TYPE_CHECKING:
@@ -28,12 +29,15 @@ Pyramid = Literal["tiff", "ome", "cog"]
 
 @dataclass(frozen=True)
 class Output:
-    """How a picture is written. bits: per sample, None for the stream's own; pyramid: what kind of it was asked for."""
+    """How a picture is written. bits: per sample, None for the stream's own; pyramid: what kind of it was asked
+    for; compression: of its tiles, if that was asked for.
+    """
 
     bits: int | None
     png_level: int | None
     threads: int
     pyramid: Pyramid | None = None
+    compression: Compression | None = None
 
     def pyramid_of(self, target: str) -> Pyramid | None:
         """The kind of pyramid that the file is, by its name too."""
@@ -54,27 +58,27 @@ def write_picture(picture: Picture, target: str, extension: str, output: Output)
 
 
 def write_pyramid(
-    stream: Stream, view: dict[str, Any], target: str, kind: Pyramid, draw: Callable[[int], None]
+    stream: Stream, view: dict[str, Any], target: str, output: Output, draw: Callable[[int], None]
 ) -> None:
     """Writes a stream as a tiled TIFF with reductions. draw: as for `write_bands`. Raises SgiError."""
+    kind = output.pyramid_of(target) or "tiff"
+    options = view | {"done": draw, "compression": output.compression or DEFLATE}
     if target != STANDARD:
-        _write_pyramid(stream, view, Path(target), kind, draw)
+        _write_pyramid(stream, Path(target), kind, options)
         return
     with _copied_out("pyramid.tif") as path:
-        _write_pyramid(stream, view, path, kind, draw)
+        _write_pyramid(stream, path, kind, options)
 
 
-def _write_pyramid(
-    stream: Stream, view: dict[str, Any], path: Path, kind: Pyramid, draw: Callable[[int], None]
-) -> None:
+def _write_pyramid(stream: Stream, path: Path, kind: Pyramid, options: dict[str, Any]) -> None:
     if kind == "cog":
         from sgicodec.plugins.cog import write_cog
 
-        write_cog(stream, path, done=draw, **view)
+        write_cog(stream, path, **options)
         return
     from sgicodec.plugins import pyramid
 
-    pyramid.write_pyramid(stream, path, ome=kind == "ome", done=draw, **view)
+    pyramid.write_pyramid(stream, path, ome=kind == "ome", **options)
 
 
 def write_bands(

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import IO, Any
 
 import numpy as np
-from numpy.typing import DTypeLike, NDArray
+from numpy.typing import NDArray
 
 from sgicodec.decoder.bands import Bands
 from sgicodec.decoder.levels import levels_of
@@ -19,6 +19,7 @@ from sgicodec.metadata.georeference import resolution
 from sgicodec.metadata.layouts import alpha_index
 from sgicodec.metadata.tiff import DESCRIPTION, XMP, described
 from sgicodec.picture import Metadata
+from sgicodec.plugins.compression import DEFLATE, Compression
 from sgicodec.plugins.ome_name import is_ome_name
 from sgicodec.remote.upload import local_file
 
@@ -41,31 +42,40 @@ def write_pyramid(
     path: str | Path,
     *,
     ome: bool | None = None,
+    compression: Compression = DEFLATE,
     done: Callable[[int], None] = lambda rows: None,
     **view: Any,
 ) -> None:
     """Writes a stream, or a part of it, and its half, its quarter … to a file or URL, where it appears whole or not at
     all.
 
-    ome: whether it is OME-TIFF; by default if it is called `.ome.tif` or `.ome.tiff`. view: region, scale, size, dtype
-    and boundless, as of `Stream.read`. done: called with the rows of the first level that are rendered. Every level is
-    rendered by itself, in bands of rows. Raises StreamError, PictureError, MissingExtraError.
+    ome: whether it is OME-TIFF; by default if it is called `.ome.tif` or `.ome.tiff`. compression: of the tiles. view:
+    region, scale, size, dtype and boundless, as of `Stream.read`. done: called with the rows of the first level that
+    are rendered. Every level is rendered by itself, in bands of rows. Raises StreamError, PictureError,
+    MissingExtraError.
     """
     ome = is_ome_name(str(path)) if ome is None else ome
     try:
         with local_file(path, PictureError) as local, whole_file(local) as file:
-            write_levels(stream, file, ome, view, done)
+            write_levels(stream, file, ome, view, done, compression)
     except OSError as error:
         raise PictureError(f"{path}: {error.strerror or error}") from error
 
 
 def write_levels(
-    stream: Stream, file: IO[bytes], ome: bool, view: Mapping[str, Any], done: Callable[[int], None]
+    stream: Stream,
+    file: IO[bytes],
+    ome: bool,
+    view: Mapping[str, Any],
+    done: Callable[[int], None],
+    compression: Compression = DEFLATE,
 ) -> None:
     """The same into a binary file that can seek."""
     require("tifffile", "writing pyramids", "tiff")
     import tifffile
 
+    dtype = np.dtype(view.get("dtype") or stream.dtype)
+    compression.check(stream.header.channels, dtype, stream.nodata)
     bands = stream.bands(**view)
     sizes = levels_of(bands.width, bands.height)
     big = bands.row_bytes * bands.height > _MAX_CLASSIC
@@ -78,13 +88,13 @@ def write_levels(
             else:
                 first = _first_page(stream, bands, ome, view) | ({"subifds": len(sizes) - 1} if ome else {})
             tiles = _tiles(bands, lambda rows: None if number else done(rows))  # noqa: B023 (consumed at once)
-            writer.write(tiles, **(_layout(stream, bands, view.get("dtype") or stream.dtype) | first))
+            writer.write(tiles, **(_layout(stream, bands, dtype) | compression.for_tifffile(dtype) | first))
 
 
-def _layout(stream: Stream, bands: Bands, dtype: DTypeLike) -> dict[str, Any]:
-    """What all levels share: how samples lie and are compressed."""
+def _layout(stream: Stream, bands: Bands, dtype: np.dtype[Any]) -> dict[str, Any]:
+    """What all levels share: how samples lie."""
     header = stream.header
-    count, dtype = header.spec.channels, np.dtype(dtype)
+    count = header.spec.channels
     colour = "rgb" if header.channels in ("rgb", "rgba") else "minisblack"
     extra = {} if alpha_index(header.channels) is None else {"extrasamples": ["unassalpha"]}
     return extra | {
@@ -93,8 +103,6 @@ def _layout(stream: Stream, bands: Bands, dtype: DTypeLike) -> dict[str, Any]:
         "photometric": colour,
         "planarconfig": "contig" if count > 1 else None,
         "tile": (TILE, TILE),
-        "compression": "adobe_deflate",
-        "predictor": dtype.kind == "u",
         "metadata": None,
         "software": False,
         "buffersize": _BATCH_BYTES,
