@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from sgicodec.cli.paths import STANDARD, write_output
 from sgicodec.errors import PictureError
 from sgicodec.plugins.compression import DEFLATE, Compression
-from sgicodec.plugins.ome_name import is_ome_name
+from sgicodec.plugins.ome_name import is_ome_name, is_zarr_name
 
 if TYPE_CHECKING:
     from sgicodec.bitstream.header import Header
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Output", "write_bands", "write_picture", "write_pyramid"]
 
-Pyramid = Literal["tiff", "ome", "cog"]
+Pyramid = Literal["tiff", "ome", "cog", "zarr"]
 
 
 @dataclass(frozen=True)
@@ -41,6 +41,8 @@ class Output:
 
     def pyramid_of(self, target: str) -> Pyramid | None:
         """The kind of pyramid that the file is, by its name too."""
+        if is_zarr_name(target):
+            return "zarr"
         return "ome" if self.pyramid != "cog" and is_ome_name(target) else self.pyramid
 
 
@@ -71,6 +73,12 @@ def write_pyramid(
 
 
 def _write_pyramid(stream: Stream, path: Path, kind: Pyramid, options: dict[str, Any]) -> None:
+    if kind == "zarr":
+        from sgicodec.plugins.ome_zarr import write_ome_zarr
+
+        del options["compression"]
+        write_ome_zarr(stream, path, **options)
+        return
     if kind == "cog":
         from sgicodec.plugins.cog import write_cog
 

@@ -91,4 +91,4 @@ def _lost_places(blob: bytes | None, extension: str) -> list[str]:
     tags = geo.load(blob).keys()
     names = ["position"] * bool(tags & geo.PLACE) + ["projection"] * (geo.KEYS in tags)
     names += ["nodata value"] * (geo.GDAL_NODATA in tags)
-    return names + ["resolution"] * (extension not in ("png", "jpg") and density(blob, None) is not None)
+    return names + ["resolution"] * (extension not in ("png", "jpg", "zarr") and density(blob, None) is not None)

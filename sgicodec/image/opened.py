@@ -33,6 +33,7 @@ from sgicodec.image.raw_reader import RawReader
 from sgicodec.image.silence import without_libpng
 from sgicodec.image.slide_reader import SlideReader, is_slide
 from sgicodec.image.sniffed import SniffedFormat, sniffed_format
+from sgicodec.image.zarr_reader import ZarrReader, is_zarr
 from sgicodec.metadata import embedded, geo, ifd, placement, png
 from sgicodec.metadata.filebytes import FileBytes
 from sgicodec.metadata.layouts import alpha_index
@@ -149,6 +150,8 @@ def open_picture(path: Path, *, any_size: bool = False, alpha: Alpha = "auto", p
         slide = SlideReader(path)
         spec, kind = slide.spec(), slide.format_name()
         return Opened(path, slide, spec, kind, header(spec, kind), slide.metadata(), AsIs, False)
+    if is_zarr(path):
+        return _zarr_picture(path, alpha, page)
     with path.open("rb") as file:
         data = FileBytes(file)
         other = _check(data)
@@ -203,6 +206,15 @@ def _sniffed_picture(path: Path, found: SniffedFormat, metadata: Metadata, alpha
     has_alpha = alpha != "band" and alpha_index(header(spec, kind).channels) is not None
     associated = has_alpha and image.associated
     return Opened(path, image, spec, kind, probe, own, AsIs, associated, PageChoice(pages=image.pages))
+
+
+def _zarr_picture(path: Path, alpha: Alpha, page: int | None) -> Opened:
+    image = ZarrReader(path, page)
+    spec = image.spec()
+    probe = header(spec, image.kind, _LAST.get(alpha, "alpha"))
+    if image.layout == "multi":
+        probe = replace(probe, channels="multi")
+    return Opened(path, image, spec, image.kind, probe, image.metadata(), AsIs, False, PageChoice(pages=image.pages))
 
 
 def _check(data: FileBytes) -> SniffedFormat | None:

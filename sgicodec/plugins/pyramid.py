@@ -18,12 +18,11 @@ from sgicodec.metadata import geo
 from sgicodec.metadata.georeference import resolution
 from sgicodec.metadata.layouts import alpha_index
 from sgicodec.metadata.tiff import DESCRIPTION, XMP, described
-from sgicodec.picture import Metadata
 from sgicodec.plugins.compression import DEFLATE, Compression
 from sgicodec.plugins.ome_name import is_ome_name
 from sgicodec.remote.upload import local_file
 
-__all__ = ["TILE", "write_levels", "write_pyramid"]
+__all__ = ["TILE", "microns_of", "strips", "write_levels", "write_pyramid"]
 
 TILE = 256
 """Side of tiles, in pixels."""
@@ -126,7 +125,7 @@ def _first_page(stream: Stream, bands: Bands, ome: bool, view: Mapping[str, Any]
         page |= {"resolution": pair, "resolutionunit": 2 if unit is None else unit.short}
     if ome:
         page["metadata"] = {"axes": "YXS" if stream.header.spec.channels > 1 else "YX"}
-        microns = _microns(stream.metadata, stream, bands, view)
+        microns = microns_of(stream, bands, view)
         if microns is not None:
             page["metadata"] |= {f"PhysicalSize{axis}": size for axis, size in zip("XY", microns, strict=True)}
             page["metadata"] |= {"PhysicalSizeXUnit": "µm", "PhysicalSizeYUnit": "µm"}
@@ -134,25 +133,35 @@ def _first_page(stream: Stream, bands: Bands, ome: bool, view: Mapping[str, Any]
     return page
 
 
-def _microns(metadata: Metadata, stream: Stream, bands: Bands, view: Mapping[str, Any]) -> tuple[float, float] | None:
-    """Size of a pixel of the first level, if the stream states that of its own."""
-    stated = resolution(metadata.geo, metadata.exif)
+def microns_of(stream: Stream, bands: Bands, view: Mapping[str, Any]) -> tuple[float, float] | None:
+    """Size of a pixel of a view, in micrometres in x and y, if the stream states that of its own."""
+    stated = resolution(stream.metadata.geo, stream.metadata.exif)
     if stated is None:
         return None
     _, _, width, height = view.get("region") or (0, 0, stream.width, stream.height)
-    return stated.microns[0] * width / bands.width, stated.microns[1] * height / bands.height
+    return stated.microns[0] * (width / bands.width), stated.microns[1] * (height / bands.height)
 
 
 def _tiles(bands: Bands, done: Callable[[int], None]) -> Iterator[NDArray[Any]]:
     """Tiles [h, w] or [h, w, C] of a level, row by row of tiles; those at its edges are smaller."""
+    for _, rows in strips(bands, TILE, done):
+        for y in range(0, len(rows), TILE):
+            for x in range(0, bands.width, TILE):
+                yield np.ascontiguousarray(rows[y : y + TILE, x : x + TILE])
+
+
+def strips(bands: Bands, step: int, done: Callable[[int], None]) -> Iterator[tuple[int, NDArray[Any]]]:
+    """The first row, and rows [h, W] or [h, W, C] of a level, so many that they end at multiples of `step` or with it.
+
+    done: called with the rows that are rendered.
+    """
     rest: NDArray[Any] | None = None
     for top, picture in bands:
         done(top + picture.height)
         rows = picture.pixels[..., 0] if picture.pixels.shape[2] == 1 else picture.pixels
         rows = rows if rest is None else np.concatenate([rest, rows])
-        last = top + picture.height == bands.height
-        whole = len(rows) if last else len(rows) - len(rows) % TILE
-        for y in range(0, whole, TILE):
-            for x in range(0, bands.width, TILE):
-                yield np.ascontiguousarray(rows[y : min(y + TILE, whole), x : x + TILE])
+        end = top + picture.height
+        whole = len(rows) if end == bands.height else len(rows) - len(rows) % step
+        if whole:
+            yield end - len(rows), rows[:whole]
         rest = rows[whole:].copy()

@@ -73,7 +73,7 @@ HOMES = {
     "dask": ("sgicodec/plugins/dask.py",),
     "imageio": ("sgicodec/plugins/imageio.py",),
     "xarray": ("sgicodec/plugins/xarray.py",),
-    "zarr": ("sgicodec/plugins/zarr.py",),
+    "zarr": ("sgicodec/plugins/zarr.py", "sgicodec/plugins/ome_zarr.py", "sgicodec/image/zarr_reader.py"),
     "numcodecs": ("sgicodec/plugins/numcodecs.py",),
     "rasterio": ("sgicodec/image/tiff_reader.py", "sgicodec/plugins/cog.py"),
     "mpmath": ("tools/make_tables.py",),

@@ -137,11 +137,11 @@ def test_what_a_method_does_not_hold(on_map: Path, tmp_path: Path) -> None:
         np.testing.assert_array_equal(file.read(1), stream.read())
 
 
-def test_compress_is_of_pyramids(tmp_path: Path) -> None:
-    for out in ("a.tif", "a.png"):
+def test_compress_is_of_tiff(tmp_path: Path) -> None:
+    for out in ("a.tif", "a.png", "a.ome.zarr"):
         result = run("decode", PHOTO, tmp_path / out, "--compress", "jpeg")
         assert result.exit_code == 2
-        assert "--compress is of pyramids" in result.stderr
+        assert "--compress is of TIFF" in result.stderr
 
 
 def test_what_compresses_is_missing(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
