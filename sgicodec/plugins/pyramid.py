@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import IO, Any
@@ -17,6 +18,7 @@ from sgicodec.files.whole import whole_file
 from sgicodec.metadata import geo
 from sgicodec.metadata.georeference import resolution
 from sgicodec.metadata.layouts import alpha_index
+from sgicodec.metadata.slides import magnification
 from sgicodec.metadata.tiff import DESCRIPTION, XMP, described
 from sgicodec.plugins.compression import DEFLATE, Compression
 from sgicodec.plugins.ome_name import is_ome_name
@@ -34,6 +36,9 @@ _BATCH_BYTES = 1 << 26
 """Of tiles that are compressed at a time."""
 
 _BYTE = 1
+_NAME = "Image0"
+_UUID = re.compile(r' UUID="[^"]*"')
+"""Of tifffile, made of the time and the address of the machine; equal pictures are to make equal files."""
 
 
 def write_pyramid(
@@ -79,7 +84,7 @@ def write_levels(
     sizes = levels_of(bands.width, bands.height)
     big = bands.row_bytes * bands.height > _MAX_CLASSIC
     same = {"region": view.get("region"), "dtype": view.get("dtype"), "boundless": view.get("boundless", False)}
-    with tifffile.TiffWriter(file, bigtiff=big, byteorder="<", ome=ome, shaped=False) as writer:
+    with tifffile.TiffWriter(file, bigtiff=big, byteorder="<", shaped=False) as writer:
         for number, level in enumerate(sizes):
             if number:
                 bands = stream.bands(**same, size=(level.width, level.height))
@@ -124,13 +129,39 @@ def _first_page(stream: Stream, bands: Bands, ome: bool, view: Mapping[str, Any]
         pair = tuple(tuple(np.frombuffer(entry.data, "<u4", 2).tolist()) for entry in (x, y))
         page |= {"resolution": pair, "resolutionunit": 2 if unit is None else unit.short}
     if ome:
-        page["metadata"] = {"axes": "YXS" if stream.header.spec.channels > 1 else "YX"}
         microns = microns_of(stream, bands, view)
+        page["description"] = _ome_xml(stream, bands, np.dtype(view.get("dtype") or stream.dtype), microns)
         if microns is not None:
-            page["metadata"] |= {f"PhysicalSize{axis}": size for axis, size in zip("XY", microns, strict=True)}
-            page["metadata"] |= {"PhysicalSizeXUnit": "µm", "PhysicalSizeYUnit": "µm"}
             page |= {"resolution": tuple(10000 / size for size in microns), "resolutionunit": 3}
     return page
+
+
+def _ome_xml(stream: Stream, bands: Bands, dtype: np.dtype[Any], microns: tuple[float, float] | None) -> bytes:
+    """What OME has as the description of a picture: its size, that of a pixel, the objective."""
+    import tifffile
+
+    count = stream.header.spec.channels
+    facts: dict[str, str | float] = {}
+    if microns is not None:
+        facts = {f"PhysicalSize{axis}": size for axis, size in zip("XY", microns, strict=True)}
+        facts |= {"PhysicalSizeXUnit": "µm", "PhysicalSizeYUnit": "µm"}
+    shape = (bands.height, bands.width, *((count,) if count > 1 else ()))
+    document = tifffile.OmeXml()
+    stored = (1, 1, 1, bands.height, bands.width, count)
+    document.addimage(dtype, shape, stored, axes="YXS"[: len(shape)], Name=_NAME, **facts)
+    text = _UUID.sub("", document.tostring(declaration=True), count=1)
+    description = described(stream.metadata.exif).get(DESCRIPTION)
+    power = None if description is None else magnification(description.data)
+    return (text if power is None else _with_objective(text, power)).encode()
+
+
+def _with_objective(text: str, power: str) -> str:
+    """OME's document of one image with the magnification of its objective, which tifffile has no words for."""
+    objective = (
+        f'<Instrument ID="Instrument:0"><Objective ID="Objective:0" NominalMagnification="{power}"/></Instrument>'
+    )
+    used = '<InstrumentRef ID="Instrument:0"/><ObjectiveSettings ID="Objective:0"/>'
+    return text.replace("<Image ", objective + "<Image ", 1).replace("<Pixels ", used + "<Pixels ", 1)
 
 
 def microns_of(stream: Stream, bands: Bands, view: Mapping[str, Any]) -> tuple[float, float] | None:
