@@ -39,10 +39,7 @@ def is_zarr(path: Path) -> bool:
 
 
 class ZarrReader(Reader):
-    """A plane of an open OME-Zarr image, channels last. pages: how many planes it has, over z and t.
-
-    layout: "multi" where nothing says that its channels are colours.
-    """
+    """A plane of an open OME-Zarr image, channels last. pages: how many planes it has, over z and t."""
 
     kind = "ome-zarr"
 
@@ -59,13 +56,13 @@ class ZarrReader(Reader):
         outer = {name: size for name, size in sizes.items() if name not in "cyx"}
         self.pages = int(np.prod(list(outer.values()), dtype=np.int64))
         check_page(page, self.pages)
+        self.layout = self._layout()
         where = np.unravel_index((page or 1) - 1, tuple(outer.values())) if outer else ()
         self._plane = dict(zip(outer, map(int, where), strict=True))
         if str(self._array.dtype.newbyteorder("=")) not in _SAMPLES:
             raise PictureError(f"its samples are of type {self._array.dtype}; save it with 8, 16 or 32 bits per sample")
 
-    @property
-    def layout(self) -> str | None:
+    def _layout(self) -> str | None:
         """That of pictures, or None where it follows from the number of channels."""
         labels, colours = ([str(c.get(key, "")).upper() for c in self._omero] for key in ("label", "color"))
         if self._count == 1:
