@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import IO, Any
 
@@ -18,10 +17,10 @@ from sgicodec.files.whole import whole_file
 from sgicodec.metadata import geo
 from sgicodec.metadata.georeference import resolution
 from sgicodec.metadata.layouts import alpha_index
-from sgicodec.metadata.slides import magnification
 from sgicodec.metadata.tiff import DESCRIPTION, XMP, described
 from sgicodec.plugins.compression import DEFLATE, Compression
 from sgicodec.plugins.ome_name import is_ome_name
+from sgicodec.plugins.ome_xml import has_planes, ome_xml
 from sgicodec.remote.upload import local_file
 
 __all__ = ["TILE", "microns_of", "strips", "write_levels", "write_pyramid"]
@@ -36,9 +35,6 @@ _BATCH_BYTES = 1 << 26
 """Of tiles that are compressed at a time."""
 
 _BYTE = 1
-_NAME = "Image0"
-_UUID = re.compile(r' UUID="[^"]*"')
-"""Of tifffile, made of the time and the address of the machine; equal pictures are to make equal files."""
 
 
 def write_pyramid(
@@ -79,26 +75,42 @@ def write_levels(
     import tifffile
 
     dtype = np.dtype(view.get("dtype") or stream.dtype)
-    compression.check(stream.header.channels, dtype, stream.nodata)
+    planes: Sequence[int | None] = range(stream.header.spec.channels) if ome and has_planes(stream) else (None,)
+    compression.check("gray" if planes[0] == 0 else stream.header.channels, dtype, stream.nodata)
+    bands = stream.bands(**view)
+    big = bands.row_bytes * bands.height > _MAX_CLASSIC
+    with tifffile.TiffWriter(file, bigtiff=big, byteorder="<", shaped=False) as writer:
+        for number, plane in enumerate(planes):
+
+            def told(rows: int, before: int = number * bands.height) -> None:
+                done((before + rows) // len(planes))
+
+            for tiles, layout in _levels(stream, ome, view, plane, told):
+                writer.write(tiles, **(layout | compression.for_tifffile(dtype)))
+
+
+def _levels(
+    stream: Stream, ome: bool, view: Mapping[str, Any], plane: int | None, done: Callable[[int], None]
+) -> Iterator[tuple[Iterator[NDArray[Any]], dict[str, Any]]]:
+    """Tiles and layout of each level of all channels, or of one."""
+    dtype = np.dtype(view.get("dtype") or stream.dtype)
     bands = stream.bands(**view)
     sizes = levels_of(bands.width, bands.height)
-    big = bands.row_bytes * bands.height > _MAX_CLASSIC
+    first = {} if plane else _first_page(stream, bands, ome, view)
+    yield (
+        _tiles(bands, done, plane),
+        _layout(stream, bands, dtype, plane) | first | ({"subifds": len(sizes) - 1} if ome else {}),
+    )
     same = {"region": view.get("region"), "dtype": view.get("dtype"), "boundless": view.get("boundless", False)}
-    with tifffile.TiffWriter(file, bigtiff=big, byteorder="<", shaped=False) as writer:
-        for number, level in enumerate(sizes):
-            if number:
-                bands = stream.bands(**same, size=(level.width, level.height))
-                first = {"subfiletype": 1}
-            else:
-                first = _first_page(stream, bands, ome, view) | ({"subifds": len(sizes) - 1} if ome else {})
-            tiles = _tiles(bands, lambda rows: None if number else done(rows))  # noqa: B023 (consumed at once)
-            writer.write(tiles, **(_layout(stream, bands, dtype) | compression.for_tifffile(dtype) | first))
+    for level in sizes[1:]:
+        bands = stream.bands(**same, size=(level.width, level.height))
+        yield _tiles(bands, lambda rows: None, plane), _layout(stream, bands, dtype, plane) | {"subfiletype": 1}
 
 
-def _layout(stream: Stream, bands: Bands, dtype: np.dtype[Any]) -> dict[str, Any]:
+def _layout(stream: Stream, bands: Bands, dtype: np.dtype[Any], plane: int | None) -> dict[str, Any]:
     """What all levels share: how samples lie."""
     header = stream.header
-    count = header.spec.channels
+    count = header.spec.channels if plane is None else 1
     colour = "rgb" if header.channels in ("rgb", "rgba") else "minisblack"
     extra = {} if alpha_index(header.channels) is None else {"extrasamples": ["unassalpha"]}
     return extra | {
@@ -130,38 +142,11 @@ def _first_page(stream: Stream, bands: Bands, ome: bool, view: Mapping[str, Any]
         page |= {"resolution": pair, "resolutionunit": 2 if unit is None else unit.short}
     if ome:
         microns = microns_of(stream, bands, view)
-        page["description"] = _ome_xml(stream, bands, np.dtype(view.get("dtype") or stream.dtype), microns)
+        dtype = np.dtype(view.get("dtype") or stream.dtype)
+        page["description"] = ome_xml(stream, bands.width, bands.height, dtype, microns)
         if microns is not None:
             page |= {"resolution": tuple(10000 / size for size in microns), "resolutionunit": 3}
     return page
-
-
-def _ome_xml(stream: Stream, bands: Bands, dtype: np.dtype[Any], microns: tuple[float, float] | None) -> bytes:
-    """What OME has as the description of a picture: its size, that of a pixel, the objective."""
-    import tifffile
-
-    count = stream.header.spec.channels
-    facts: dict[str, str | float] = {}
-    if microns is not None:
-        facts = {f"PhysicalSize{axis}": size for axis, size in zip("XY", microns, strict=True)}
-        facts |= {"PhysicalSizeXUnit": "µm", "PhysicalSizeYUnit": "µm"}
-    shape = (bands.height, bands.width, *((count,) if count > 1 else ()))
-    document = tifffile.OmeXml()
-    stored = (1, 1, 1, bands.height, bands.width, count)
-    document.addimage(dtype, shape, stored, axes="YXS"[: len(shape)], Name=_NAME, **facts)
-    text = _UUID.sub("", document.tostring(declaration=True), count=1)
-    description = described(stream.metadata.exif).get(DESCRIPTION)
-    power = None if description is None else magnification(description.data)
-    return (text if power is None else _with_objective(text, power)).encode()
-
-
-def _with_objective(text: str, power: str) -> str:
-    """OME's document of one image with the magnification of its objective, which tifffile has no words for."""
-    objective = (
-        f'<Instrument ID="Instrument:0"><Objective ID="Objective:0" NominalMagnification="{power}"/></Instrument>'
-    )
-    used = '<InstrumentRef ID="Instrument:0"/><ObjectiveSettings ID="Objective:0"/>'
-    return text.replace("<Image ", objective + "<Image ", 1).replace("<Pixels ", used + "<Pixels ", 1)
 
 
 def microns_of(stream: Stream, bands: Bands, view: Mapping[str, Any]) -> tuple[float, float] | None:
@@ -173,12 +158,14 @@ def microns_of(stream: Stream, bands: Bands, view: Mapping[str, Any]) -> tuple[f
     return stated.microns[0] * (width / bands.width), stated.microns[1] * (height / bands.height)
 
 
-def _tiles(bands: Bands, done: Callable[[int], None]) -> Iterator[NDArray[Any]]:
-    """Tiles [h, w] or [h, w, C] of a level, row by row of tiles; those at its edges are smaller."""
+def _tiles(bands: Bands, done: Callable[[int], None], plane: int | None) -> Iterator[NDArray[Any]]:
+    """Tiles [h, w] or [h, w, C] of a level, or of one channel, row by row of tiles; those at its edges are smaller."""
     for _, rows in strips(bands, TILE, done):
         for y in range(0, len(rows), TILE):
             for x in range(0, bands.width, TILE):
-                yield np.ascontiguousarray(rows[y : y + TILE, x : x + TILE])
+                yield np.ascontiguousarray(
+                    rows[y : y + TILE, x : x + TILE, ...] if plane is None else rows[y : y + TILE, x : x + TILE, plane]
+                )
 
 
 def strips(bands: Bands, step: int, done: Callable[[int], None]) -> Iterator[tuple[int, NDArray[Any]]]:

@@ -69,7 +69,7 @@ HOMES = {
     "starlette": ("sgicodec/server/",),
     "uvicorn": ("sgicodec/server/",),
     "fsspec": ("sgicodec/remote/",),
-    "tifffile": ("sgicodec/plugins/pyramid.py",),
+    "tifffile": ("sgicodec/plugins/pyramid.py", "sgicodec/plugins/ome_xml.py"),
     "dask": ("sgicodec/plugins/dask.py",),
     "imageio": ("sgicodec/plugins/imageio.py",),
     "xarray": ("sgicodec/plugins/xarray.py",),

@@ -15,7 +15,8 @@ from PIL import ImageCms
 import sgicodec
 from sgicodec.cli.main import cli
 from sgicodec.decoder import bands
-from sgicodec.metadata import ifd
+from sgicodec.metadata import geo, ifd
+from sgicodec.metadata.gdal_items import band_facts, named_bands
 from sgicodec.picture import Metadata, Picture
 from sgicodec.plugins.ome_name import is_ome_name
 from sgicodec.plugins.pyramid import write_pyramid
@@ -125,3 +126,37 @@ def test_a_slide_keeps_its_objective_and_the_size_of_its_pixels(tmp_path: Path) 
     assert (facts["magnification"], facts["resolution"]["microns_per_pixel"]) == ("40", [0.25, 0.25])
     with tifffile.TiffFile(tmp_path / "a.tif") as file:
         assert file.pages[0].description.endswith("|AppMag = 40|MPP = 1|Left = 25.69")
+
+
+@pytest.mark.parametrize("compression", ["deflate", "jpeg:95"])
+def test_bands_without_a_meaning_are_planes_with_names(compression: str, tmp_path: Path) -> None:
+    y, x = np.mgrid[:HEIGHT, :WIDTH]
+    pixels = np.stack([x % 256, y % 256, (x + y) // 5, (x - y) % 256], axis=2).astype(np.uint8)
+    tags = geo.pack(named_bands(["DAPI", "", "Cy5 <far>", "Cy7"]))
+    settings = sgicodec.EncodeSettings(steps=2, tile=256, rdoq=False, overview=False)
+    source = tmp_path / "a.sgi"
+    source.write_bytes(sgicodec.encode_picture(Picture(pixels, "multi", (0, 255), Metadata(geo=tags)), settings).data)
+    result = run("decode", source, tmp_path / "a.ome.tif", "--compress", compression, "--quiet")
+    assert result.exit_code == 0, result.output
+    most = 0 if compression == "deflate" else 40
+    with tifffile.TiffFile(tmp_path / "a.ome.tif") as file, sgicodec.open(source) as stream:
+        assert file.series[0].axes == "CYX"
+        names = [
+            channel.get("Name") for channel in tifffile.xml2dict(file.ome_metadata)["OME"]["Image"]["Pixels"]["Channel"]
+        ]
+        assert names == ["DAPI", "", "Cy5 <far>", "Cy7"]
+        assert len(file.series[0].levels) == len(stream.levels)
+        for level, size in zip(file.series[0].levels, stream.levels, strict=True):
+            expected = np.moveaxis(stream.read(size=size[:2]), -1, 0).astype(int)
+            assert np.abs(level.asarray() - expected).max() <= most
+    again = sgicodec.read(tmp_path / "a.ome.tif")
+    assert [facts.description for facts in band_facts(again.metadata.geo, 4)] == ["DAPI", None, "Cy5 <far>", "Cy7"]
+
+
+def test_progress_counts_the_rows_of_all_planes(tmp_path: Path) -> None:
+    rows: list[int] = []
+    with sgicodec.open(GOLDEN / "multi8.sgi") as stream:
+        write_pyramid(stream, tmp_path / "a.ome.tif", done=rows.append)
+        assert rows == sorted(rows)
+        assert len(rows) == stream.header.spec.channels
+        assert rows[-1] == stream.height
