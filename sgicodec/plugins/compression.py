@@ -6,11 +6,12 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Any, NamedTuple
-
-import numpy as np
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from sgicodec.errors import PictureError, UsageError, require
+
+if TYPE_CHECKING:
+    import numpy as np
 
 __all__ = ["DEFLATE", "METHODS", "Compression"]
 
@@ -79,7 +80,7 @@ class Compression:
         """Raises PictureError for samples that it does not hold, MissingExtraError without what compresses."""
         layouts = METHODS[self.name].layouts
         other = "; zstd and deflate do, without loss"
-        if layouts is not None and dtype != np.uint8:
+        if layouts is not None and dtype != "uint8":
             bits = "floats" if dtype.kind == "f" else f"{8 * dtype.itemsize} bits"
             raise PictureError(f"{self.name} in TIFF holds 8 bits per sample, not {bits}{other}, lerc:ERROR with loss")
         if layouts is not None and channels not in layouts:

@@ -144,3 +144,15 @@ def test_zarr_is_missing(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Non
     monkeypatch.setitem(__import__("sys").modules, "zarr", None)
     with pytest.raises((MissingExtraError, PictureError), match="reading OME-Zarr needs zarr"):
         sgicodec.read(path)
+
+
+@pytest.mark.parametrize("axes", [None, ["t", "c", "z", "y", "x"]])
+def test_versions_before_0_4(axes: list[str] | None, tmp_path: Path) -> None:
+    """0.3 names axes, 0.1 and 0.2 always have five; neither states sizes."""
+    samples = ramp(1, 2, 3, 5, 6)
+    path = ngff(tmp_path / "a.zarr", samples, "tczyx", version="0.4")
+    scales = {"datasets": [{"path": "0"}]} | ({} if axes is None else {"axes": axes})
+    zarr.open_group(path, mode="r+").attrs["multiscales"] = [scales]
+    picture = sgicodec.read(path, page=3)
+    np.testing.assert_array_equal(picture.pixels, np.moveaxis(samples[0, :, 2], 0, -1))
+    assert picture.metadata.geo is None
