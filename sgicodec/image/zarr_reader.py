@@ -126,7 +126,9 @@ def _opened(path: Path) -> tuple[Mapping[str, Any], Sequence[Mapping[str, Any]],
     if not attributes.get("multiscales"):
         raise PictureError("it is Zarr without an image of OME (multiscales)")
     scales = attributes["multiscales"][0]
-    array = zarr.open_array(path / str(scales["datasets"][0]["path"]), mode="r")
+    array = group[str(scales["datasets"][0]["path"])]  # never outside the group
+    if not isinstance(array, zarr.Array):
+        raise PictureError("its largest level is no array")
     return scales, attributes.get("omero", {}).get("channels", []), array
 
 
