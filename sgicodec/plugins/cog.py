@@ -14,7 +14,7 @@ from sgicodec.errors import PictureError, require
 from sgicodec.files.scratch import scratch_folder
 from sgicodec.files.whole import whole_file
 from sgicodec.plugins.compression import DEFLATE, Compression
-from sgicodec.plugins.pyramid import write_levels
+from sgicodec.plugins.pyramid import is_masked, write_levels
 from sgicodec.remote.upload import local_file
 
 __all__ = ["write_cog"]
@@ -48,12 +48,14 @@ def write_cog(
     import rasterio.shutil
     from rasterio.errors import RasterioError
 
-    compression.check(stream.header.channels, np.dtype(view.get("dtype") or stream.dtype), stream.nodata)
+    masked = is_masked(stream, compression, view)
+    dtype = np.dtype(view.get("dtype") or stream.dtype)
+    compression.check(stream.header.channels, dtype, None if masked else stream.nodata)
     try:
         with local_file(path, PictureError) as target, scratch_folder(target.resolve().parent) as folder:
             unordered, ordered = folder / "pyramid.tif", folder / "cog.tif"
             with unordered.open("wb") as file:
-                write_levels(stream, file, False, view, done)
+                write_levels(stream, file, False, view, done, masked=masked)
             with rasterio.Env(GDAL_CACHEMAX=_CACHE_MIB):
                 rasterio.shutil.copy(unordered, ordered, **_OPTIONS, **compression.for_gdal())
             with whole_file(target) as out, ordered.open("rb") as done_file:

@@ -76,8 +76,17 @@ class Compression:
         """Whether samples change."""
         return METHODS[self.name].layouts is not None or bool(self.number)
 
+    def needs_mask(self, channels: str, nodata: float | None) -> bool:
+        """Whether a mask must stand for the nodata value, which loss would give to other samples and take from some.
+        Of bands without a meaning each may end elsewhere, and alpha is a mask itself.
+        """
+        return self.is_lossy and nodata is not None and channels in ("gray", "rgb")
+
     def check(self, channels: str, dtype: np.dtype[Any], nodata: float | None) -> None:
-        """Raises PictureError for samples that it does not hold, MissingExtraError without what compresses."""
+        """Raises PictureError for samples that it does not hold, MissingExtraError without what compresses.
+
+        nodata: a value that samples must keep.
+        """
         layouts = METHODS[self.name].layouts
         other = "; zstd and deflate do, without loss"
         if layouts is not None and dtype != "uint8":

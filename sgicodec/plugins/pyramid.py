@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import IO, Any
+from typing import IO, TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,11 +19,15 @@ from sgicodec.metadata.georeference import resolution
 from sgicodec.metadata.layouts import alpha_index
 from sgicodec.metadata.tiff import DESCRIPTION, XMP, described
 from sgicodec.plugins.compression import DEFLATE, Compression
+from sgicodec.plugins.content_mask import ContentMask
 from sgicodec.plugins.ome_name import is_ome_name
 from sgicodec.plugins.ome_xml import has_planes, ome_xml
 from sgicodec.remote.upload import local_file
 
-__all__ = ["TILE", "microns_of", "strips", "write_levels", "write_pyramid"]
+if TYPE_CHECKING:
+    from tifffile import TiffWriter
+
+__all__ = ["TILE", "is_masked", "microns_of", "strips", "write_levels", "write_pyramid"]
 
 TILE = 256
 """Side of tiles, in pixels."""
@@ -35,6 +39,7 @@ _BATCH_BYTES = 1 << 26
 """Of tiles that are compressed at a time."""
 
 _BYTE = 1
+_MASK = 4
 
 
 def write_pyramid(
@@ -57,9 +62,16 @@ def write_pyramid(
     ome = is_ome_name(str(path)) if ome is None else ome
     try:
         with local_file(path, PictureError) as local, whole_file(local) as file:
-            write_levels(stream, file, ome, view, done, compression)
+            masked = not ome and is_masked(stream, compression, view)
+            write_levels(stream, file, ome, view, done, compression, masked)
     except OSError as error:
         raise PictureError(f"{path}: {error.strerror or error}") from error
+
+
+def is_masked(stream: Stream, compression: Compression, view: Mapping[str, Any]) -> bool:
+    """Whether a TIFF for GDAL needs a mask instead of the nodata value, which a view in other samples has not."""
+    same = np.dtype(view.get("dtype") or stream.dtype) == stream.dtype
+    return same and compression.needs_mask(stream.header.channels, stream.nodata)
 
 
 def write_levels(
@@ -69,14 +81,16 @@ def write_levels(
     view: Mapping[str, Any],
     done: Callable[[int], None],
     compression: Compression = DEFLATE,
+    masked: bool = False,
 ) -> None:
-    """The same into a binary file that can seek."""
+    """The same into a binary file that can seek. masked: whether a mask for each level stands for the nodata value."""
     require("tifffile", "writing pyramids", "tiff")
     import tifffile
 
     dtype = np.dtype(view.get("dtype") or stream.dtype)
     planes: Sequence[int | None] = range(stream.header.spec.channels) if ome and has_planes(stream) else (None,)
-    compression.check("gray" if planes[0] == 0 else stream.header.channels, dtype, stream.nodata)
+    nodata = None if masked else stream.nodata
+    compression.check("gray" if planes[0] == 0 else stream.header.channels, dtype, nodata)
     bands = stream.bands(**view)
     big = bands.row_bytes * bands.height > _MAX_CLASSIC
     with tifffile.TiffWriter(file, bigtiff=big, byteorder="<", shaped=False) as writer:
@@ -86,7 +100,22 @@ def write_levels(
                 done((before + rows) // len(planes))
 
             for tiles, layout in _levels(stream, ome, view, plane, told):
-                writer.write(tiles, **(layout | compression.for_tifffile(dtype)))
+                layout |= compression.for_tifffile(dtype)
+                if masked and stream.nodata is not None:
+                    _write_masked(writer, tiles, layout, stream.nodata)
+                else:
+                    writer.write(tiles, **layout)
+
+
+def _write_masked(writer: TiffWriter, tiles: Iterator[NDArray[Any]], layout: dict[str, Any], nodata: float) -> None:
+    """A level without the tag of nodata, and its mask."""
+    mask = ContentMask(nodata)
+    tags = [tag for tag in layout.get("extratags", ()) if tag[0] != geo.GDAL_NODATA]
+    writer.write(mask.passing(tiles), **(layout | {"extratags": tags}))
+    same = {name: layout[name] for name in ("tile", "metadata", "software", "buffersize")}
+    kind = {"dtype": bool, "photometric": "mask", "subfiletype": _MASK | layout.get("subfiletype", 0)}
+    shape = layout["shape"][:2]
+    writer.write(mask.tiles(), shape=shape, compression="adobe_deflate", **kind, **same)
 
 
 def _levels(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,9 @@ from click.testing import CliRunner, Result
 import sgicodec
 from sgicodec.cli.main import cli
 from sgicodec.errors import MissingExtraError, PictureError, UsageError
+from sgicodec.metadata import geo, ifd
+from sgicodec.picture import Metadata, Picture
+from sgicodec.plugins.cog import write_cog
 from sgicodec.plugins.compression import METHODS, Compression
 from sgicodec.plugins.pyramid import write_pyramid
 
@@ -131,7 +135,10 @@ def test_what_a_method_does_not_hold(on_map: Path, tmp_path: Path) -> None:
     assert "not floats" in refused(on_map, "--compress", "webp")
     assert "holds gray and rgb, not rgba" in refused(GOLDEN / "rgba8.sgi", "--compress", "jpeg")
     assert "not bands without a meaning" in refused(GOLDEN / "multi8.sgi", "--compress", "webp")
-    assert "changes which samples are nodata (-9999)" in refused(on_map, "--compress", "lerc:0.5")
+    for compression in ("lerc:0.5", "jpeg"):
+        options = ("--compress", compression, "--depth", 8 if compression == "jpeg" else 32)
+        result = run("decode", on_map, tmp_path / "a.ome.tif", *options, "--quiet")
+        assert (result.exit_code, "changes which samples are nodata (-9999)" in result.stderr) == (3, True)
     assert run("decode", on_map, tmp_path / "a.tif", "--cog", "--compress", "lerc", "--quiet").exit_code == 0
     with rasterio.open(tmp_path / "a.tif") as file, sgicodec.open(on_map) as stream:
         np.testing.assert_array_equal(file.read(1), stream.read())
@@ -152,3 +159,50 @@ def test_what_compresses_is_missing(monkeypatch: pytest.MonkeyPatch, tmp_path: P
         with pytest.raises(PictureError, match="holds gray and rgb"):
             Compression("jpeg", 80).check("multi", np.dtype(np.uint8), None)
     assert not list(tmp_path.iterdir())
+
+
+@pytest.fixture(scope="module")
+def with_nodata() -> sgicodec.Stream:
+    """RGB whose corner has the nodata value 7; some channels of other pixels have it, too."""
+    y, x = np.mgrid[:300, :520]
+    pixels = np.stack([x % 256, y % 256, (x + y) // 5], axis=2).astype(np.uint8)
+    pixels[x + y < 200] = 7
+    pixels[200:220, :, 0] = 7
+    metadata = Metadata(geo=geo.pack({geo.GDAL_NODATA: ifd.Entry(2, b"7\0")}))
+    settings = sgicodec.EncodeSettings(steps=2, tile=256, rdoq=False, overview=False)
+    return sgicodec.open(sgicodec.encode_picture(Picture(pixels, "rgb", (0, 255), metadata), settings).data)
+
+
+@pytest.mark.parametrize("compression", [Compression("jpeg", 80), Compression("webp", 80), Compression("lerc", 4)])
+@pytest.mark.parametrize("write", [write_pyramid, write_cog])
+def test_where_samples_are_lossy_a_mask_stands_for_nodata(
+    write: Callable[..., None], compression: Compression, with_nodata: sgicodec.Stream, tmp_path: Path
+) -> None:
+    write(with_nodata, tmp_path / "a.tif", compression=compression)
+    for number, (width, height, _) in enumerate(with_nodata.levels):
+        level = {} if number == 0 else {"overview_level": number - 1}
+        with rasterio.open(tmp_path / "a.tif", **level) as file:
+            content = (with_nodata.read(size=(width, height)) != 7).any(axis=2)
+            assert 0 < content.mean() < 1
+            np.testing.assert_array_equal(file.dataset_mask() > 0, content)
+            assert file.nodata is None
+    write(with_nodata, tmp_path / "b.tif", compression=Compression("zstd"))
+    with rasterio.open(tmp_path / "b.tif") as file:
+        assert file.nodata == 7
+
+
+def test_a_mask_of_heights(on_map: Path, tmp_path: Path) -> None:
+    result = run("decode", on_map, tmp_path / "a.tif", "--cog", "--compress", "lerc:0.5", "--quiet")
+    assert result.exit_code == 0, result.output
+    with rasterio.open(tmp_path / "a.tif") as file, sgicodec.open(on_map) as stream:
+        expected = stream.read()
+        np.testing.assert_array_equal(file.dataset_mask() > 0, expected != -9999)
+        error = np.abs(file.read(1) - expected)[expected != -9999]
+    assert 0 < error.max() <= 0.5 + 1e-3
+
+
+def test_bands_without_a_meaning_have_no_common_mask() -> None:
+    with pytest.raises(PictureError, match=r"changes which samples are nodata \(0\)"):
+        Compression("lerc", 2).check("multi", np.dtype(np.uint8), 0)
+    assert not Compression("lerc", 2).needs_mask("multi", 0)
+    assert not Compression("lerc", 0).needs_mask("gray", 0)
