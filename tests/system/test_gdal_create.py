@@ -135,3 +135,14 @@ def test_what_goes_wrong(scene: Path, gdal: Run, tmp_path: Path) -> None:
 def test_other_file_systems_of_gdal(scene: Path, gdal: Run, tmp_path: Path) -> None:
     create(gdal, scene, f"/vsizip/{tmp_path}/a.zip/scene.sgi")
     assert info(gdal, f"/vsizip/{tmp_path}/a.zip/scene.sgi")["size"] == [80, 60]
+
+
+def test_what_geotiff_has_no_tags_for_is_said_to_be_lost(scene: Path, gdal: Run, tmp_path: Path) -> None:
+    virtual = tmp_path / "a.vrt"
+    gdal("gdal_translate", "-q", "-of", "VRT", "-b", 1, scene, virtual)
+    names = "<CategoryNames><Category>water</Category><Category>wood</Category></CategoryNames></VRTRasterBand>"
+    virtual.write_text(virtual.read_text().replace("</VRTRasterBand>", names))
+    kept = ("--config", "GDAL_PAM_ENABLED", "YES")
+    assert "what GeoTIFF has no tags for" in create(gdal, virtual, tmp_path / "a.sgi", *kept)
+    create(gdal, virtual, tmp_path / "b.sgi", "-strict", *kept, fails=True)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a.sgi", "a.vrt", "scene.tif"]
