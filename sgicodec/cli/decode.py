@@ -31,6 +31,7 @@ from sgicodec.cli.pictures import Output
 from sgicodec.cli.views import ViewOptions
 from sgicodec.cuda.choice import decoding_device_of
 from sgicodec.errors import StreamError, UsageError
+from sgicodec.plugins.compression import Compression
 
 if TYPE_CHECKING:
     from sgicodec.cli.progress import Mode
@@ -65,6 +66,12 @@ __all__ = ["decode"]
 )
 @click.option("--pyramid", is_flag=True, help="Tiled TIFF with reductions; OUT.ome.tif is one as OME-TIFF.")
 @click.option("--cog", is_flag=True, help="Cloud Optimized GeoTIFF.")
+@click.option(
+    "--compress",
+    metavar="NAME[:N]",
+    show_default="deflate",
+    help="How pyramids are compressed: deflate, zstd, jpeg:QUALITY, webp:QUALITY, lerc:ERROR.",
+)
 @click.option("--max-pixels", type=click.IntRange(1), metavar="N", help="Refuse to write more pixels.")
 @click.option("--max-memory", type=BYTES, metavar="SIZE", help="Refuse what takes more memory to decode: 500MiB.")
 @click.option(
@@ -97,6 +104,7 @@ def decode(
     png_level: int | None,
     pyramid: bool,
     cog: bool,
+    compress: str | None,
     max_pixels: int | None,
     max_memory: float | None,
     dither: bool,
@@ -125,13 +133,14 @@ def decode(
     bits = None if depth is None else int(depth)
     if pyramid and cog:
         raise UsageError("--pyramid and --cog exclude each other")
+    compression = None if compress is None else Compression.parse(compress)
     many = output_dir is not None or recursive
     by_default = output_dir is None and output is None and (recursive or len(paths) == 1)
     how = (output is not None, by_default, as_json, quiet, "off" if many else progress)
     job = DecodeJob(
         view,
         DecodeLimits.of(max_pixels, max_memory),
-        Output(bits, png_level, threads, "cog" if cog else "tiff" if pyramid else None),
+        Output(bits, png_level, threads, "cog" if cog else "tiff" if pyramid else None, compression),
         decoding_device_of(device, threads),
         format_,
         metadata,

@@ -22,6 +22,7 @@ from sgicodec.cli.paths import (
     local_name,
     opened_stream,
     output_exists,
+    size_of,
     with_extension,
     written_file,
 )
@@ -33,12 +34,21 @@ from sgicodec.cli.views import ViewOptions
 from sgicodec.device import Device, room_left
 from sgicodec.errors import PictureError, UsageError
 from sgicodec.metadata.blobs import Metadata
+from sgicodec.plugins.ome_name import is_zarr_name
 
 if TYPE_CHECKING:
     from sgicodec.decoder.stream import Bands, Stream
     from sgicodec.picture import Picture
 
 __all__ = ["DecodeJob"]
+
+_WRITERS = {
+    "cog": ("sgicodec.plugins.cog", "rasterio"),
+    "zarr": ("sgicodec.plugins.ome_zarr", "zarr"),
+    "ome": ("sgicodec.plugins.pyramid", "tifffile"),
+    "tiff": ("sgicodec.plugins.pyramid", "tifffile"),
+}
+"""What writes pyramids, and the library that it takes."""
 
 _DTYPES = {None: None, 8: "uint8", 16: "uint16", 32: "float32"}
 """Samples of so many bits, which are rendered as such."""
@@ -87,6 +97,8 @@ class DecodeJob:
         with self._opened(source) as stream:
             extension = self._extension(stream, target)
             target = with_extension(source, extension) if target is None else target
+            if self.output.compression is not None and self.output.pyramid_of(target) in (None, "zarr"):
+                raise UsageError("--compress is of TIFF: give --cog, --pyramid or an OUT that ends in .ome.tif")
             if self.as_json and target == STANDARD:
                 raise UsageError("stdout cannot take both the picture and --json; name OUT")
             becomes: Literal["picture"] | None = None if self.named else "picture"
@@ -95,7 +107,7 @@ class DecodeJob:
             self._load_writer(target, extension)
             with written_file(target, PictureError) as path, self.limits.held():
                 shown, channels = self._write(stream, path, extension), stream.header.channels
-                size = 0 if target == STANDARD else Path(path).stat().st_size
+                size = 0 if target == STANDARD else size_of(path)
         if lost and not self.quiet:
             click.echo(f"sgi: {display(target, 'stdout')}: .{extension} does not hold its {lost}; .tif does", err=True)
         if self.as_json:
@@ -112,8 +124,7 @@ class DecodeJob:
         """Loads what writes OUT: at once where memory is limited, else while the picture is read and rendered."""
         pyramid = self.output.pyramid_of(target)
         if pyramid is not None:
-            is_cog = pyramid == "cog"
-            names = [f"sgicodec.plugins.{'cog' if is_cog else 'pyramid'}", "rasterio" if is_cog else "tifffile"]
+            names = list(_WRITERS[pyramid])
         else:
             names = ["sgicodec.image.writer", *["OpenImageIO"] * (extension != "png")]
         if room_left() is None and self.limits.bound is None:
@@ -145,7 +156,7 @@ class DecodeJob:
         self.limits.check(bands.width, bands.height, bands.row_bytes * rows)
         if pyramid is not None:
             with row_progress(mode, bands.height) as draw:
-                write_pyramid(stream, view, target, pyramid, draw)
+                write_pyramid(stream, view, target, self.output, draw)
             return bands
         if not whole:
             with row_progress(mode, bands.height) as draw:
@@ -172,6 +183,10 @@ class DecodeJob:
         if format_ is None and suffix.lower() == "sgi":
             text = "a decoded picture ending in .sgi is a Silicon Graphics one; if you mean it, add --format sgi"
             raise UsageError(text)
+        if target is not None and is_zarr_name(target):
+            if self.output.pyramid or format_ is not None:
+                raise UsageError("an OUT that ends in .zarr is OME-Zarr, with neither --format, --pyramid nor --cog")
+            return "zarr"
         try:
             extension = find(format_ or suffix).extensions[0]
         except PictureError as error:

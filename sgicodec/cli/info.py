@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 __all__ = ["info"]
 
-_NO_PLACE = {"place": None, "nodata": None, "resolution": None}
+_NO_PLACE = {"place": None, "nodata": None, "magnification": None, "resolution": None}
 _DEPTHS = {"uint8": "8 bits", "uint16": "16 bits", "float32": "32-bit float"}
 _WHOLE_TYPE = {"uint8": (0.0, 255.0), "uint16": (0.0, 65535.0)}
 

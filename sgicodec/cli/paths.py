@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, BinaryIO, Literal
 from sgicodec.cli.standard_streams import check_stdout
 from sgicodec.device import ALL_CORES, Device
 from sgicodec.errors import OutputExistsError, SgiError, StreamError, UsageError
+from sgicodec.plugins.ome_name import is_zarr_name
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -29,6 +30,7 @@ __all__ = [
     "opened_stream",
     "output_exists",
     "refuse_folder",
+    "size_of",
     "with_extension",
     "write_output",
     "written_file",
@@ -46,7 +48,7 @@ def with_extension(path: str, extension: str) -> str:
     """The default output of an input: its name with another extension, in the working folder if it is a URL, or
     stdout.
     """
-    return STANDARD if path == STANDARD else f"{os.path.splitext(local_name(path))[0]}.{extension}"
+    return STANDARD if path == STANDARD else f"{os.path.splitext(local_name(path).rstrip(os.sep))[0]}.{extension}"
 
 
 def is_remote(path: str) -> bool:
@@ -107,9 +109,24 @@ def is_stream(path: str | Path) -> bool:
 
 
 def refuse_folder(source: str, content: str, failure: type[SgiError]) -> None:
-    """Raises `failure` where IN is a folder, whose content is taken with -r."""
-    if source != STANDARD and os.path.isdir(source):
+    """Raises `failure` where IN is a folder, whose content is taken with -r. A folder of Zarr is a picture."""
+    if source != STANDARD and os.path.isdir(source) and not _is_zarr(source):
         raise failure(f"{display(source)}: it is a folder; add -r to take the {content} in it")
+
+
+def size_of(path: str) -> int:
+    """Bytes of a file, or of all files in a folder and its subfolders."""
+    if not os.path.isdir(path):
+        return os.stat(path).st_size
+    return sum(os.stat(os.path.join(folder, name)).st_size for folder, _, names in os.walk(path) for name in names)
+
+
+def _is_zarr(source: str) -> bool:
+    from pathlib import Path
+
+    from sgicodec.image.zarr_reader import is_zarr
+
+    return is_zarr(Path(source))
 
 
 def check_output(
@@ -146,11 +163,12 @@ def check_output(
     except OSError as error:  # a name that is too long, a folder that may not be searched
         raise UsageError(f"{name}: {error.strerror or error}") from error
     folder = Path(os.path.realpath(path)).parent
-    if path.is_dir():
+    is_zarr = is_zarr_name(target) and path.is_dir()
+    if path.is_dir() and not is_zarr:
         raise UsageError(f"{name} is a folder; name a file in it, or give --output-dir")
     if not folder.is_dir():
         raise UsageError(f"{name}: the folder {display(str(folder))} does not exist")
-    if not path.is_file() and path.exists():
+    if not (path.is_file() or is_zarr) and path.exists():
         return
     if not os.access(folder, os.W_OK):
         raise UsageError(f"{name}: the folder {display(str(folder))} cannot be written to")

@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from sgicodec.cli.paths import STANDARD, write_output
 from sgicodec.errors import PictureError
-from sgicodec.plugins.ome_name import is_ome_name
+from sgicodec.plugins.compression import DEFLATE, Compression
+from sgicodec.plugins.ome_name import is_ome_name, is_zarr_name
 
 if TYPE_CHECKING:
     from sgicodec.bitstream.header import Header
@@ -23,20 +24,25 @@ if TYPE_CHECKING:
 
 __all__ = ["Output", "write_bands", "write_picture", "write_pyramid"]
 
-Pyramid = Literal["tiff", "ome", "cog"]
+Pyramid = Literal["tiff", "ome", "cog", "zarr"]
 
 
 @dataclass(frozen=True)
 class Output:
-    """How a picture is written. bits: per sample, None for the stream's own; pyramid: what kind of it was asked for."""
+    """How a picture is written. bits: per sample, None for the stream's own; pyramid: what kind of it was asked
+    for; compression: of its tiles, if that was asked for.
+    """
 
     bits: int | None
     png_level: int | None
     threads: int
     pyramid: Pyramid | None = None
+    compression: Compression | None = None
 
     def pyramid_of(self, target: str) -> Pyramid | None:
         """The kind of pyramid that the file is, by its name too."""
+        if is_zarr_name(target):
+            return "zarr"
         return "ome" if self.pyramid != "cog" and is_ome_name(target) else self.pyramid
 
 
@@ -54,27 +60,33 @@ def write_picture(picture: Picture, target: str, extension: str, output: Output)
 
 
 def write_pyramid(
-    stream: Stream, view: dict[str, Any], target: str, kind: Pyramid, draw: Callable[[int], None]
+    stream: Stream, view: dict[str, Any], target: str, output: Output, draw: Callable[[int], None]
 ) -> None:
     """Writes a stream as a tiled TIFF with reductions. draw: as for `write_bands`. Raises SgiError."""
+    kind = output.pyramid_of(target) or "tiff"
+    options = view | {"done": draw, "compression": output.compression or DEFLATE}
     if target != STANDARD:
-        _write_pyramid(stream, view, Path(target), kind, draw)
+        _write_pyramid(stream, Path(target), kind, options)
         return
     with _copied_out("pyramid.tif") as path:
-        _write_pyramid(stream, view, path, kind, draw)
+        _write_pyramid(stream, path, kind, options)
 
 
-def _write_pyramid(
-    stream: Stream, view: dict[str, Any], path: Path, kind: Pyramid, draw: Callable[[int], None]
-) -> None:
+def _write_pyramid(stream: Stream, path: Path, kind: Pyramid, options: dict[str, Any]) -> None:
+    if kind == "zarr":
+        from sgicodec.plugins.ome_zarr import write_ome_zarr
+
+        del options["compression"]
+        write_ome_zarr(stream, path, **options)
+        return
     if kind == "cog":
         from sgicodec.plugins.cog import write_cog
 
-        write_cog(stream, path, done=draw, **view)
+        write_cog(stream, path, **options)
         return
     from sgicodec.plugins import pyramid
 
-    pyramid.write_pyramid(stream, path, ome=kind == "ome", done=draw, **view)
+    pyramid.write_pyramid(stream, path, ome=kind == "ome", **options)
 
 
 def write_bands(

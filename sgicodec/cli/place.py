@@ -20,9 +20,12 @@ def place_facts(stream: StreamSummary | Stream) -> dict[str, Any]:
 
     from sgicodec.metadata import geo
     from sgicodec.metadata.georeference import georeference, resolution
+    from sgicodec.metadata.slides import magnification
+    from sgicodec.metadata.tiff import DESCRIPTION, described
 
     blob, exif = stream.metadata.geo, stream.metadata.exif
     place, scale = georeference(blob, stream.header.width, stream.header.height), resolution(blob, exif)
+    description = described(exif).get(DESCRIPTION)
     nodata = geo.nodata(blob, np.dtype(stream.header.sample_type))
     return {
         "place": place
@@ -35,6 +38,7 @@ def place_facts(stream: StreamSummary | Stream) -> dict[str, Any]:
             "rotated": place.rotated,
         },
         "nodata": str(nodata) if nodata is not None and not math.isfinite(nodata) else nodata,
+        "magnification": None if description is None else magnification(description.data),
         "resolution": scale and {"microns_per_pixel": scale.microns, "stated": scale.stated},
     }
 
@@ -56,6 +60,8 @@ def place_lines(facts: Mapping[str, Any]) -> dict[str, str]:
         across, down = scale["microns_per_pixel"]
         size = f"{across:.6g}" if across == down else f"{across:.6g} × {down:.6g}"
         lines["resolution"] = f"{size} µm per pixel ({scale['stated']})"
+    if facts["magnification"] is not None:
+        lines["objective"] = f"{facts['magnification']}×"
     return lines
 
 
@@ -91,4 +97,4 @@ def _lost_places(blob: bytes | None, extension: str) -> list[str]:
     tags = geo.load(blob).keys()
     names = ["position"] * bool(tags & geo.PLACE) + ["projection"] * (geo.KEYS in tags)
     names += ["nodata value"] * (geo.GDAL_NODATA in tags)
-    return names + ["resolution"] * (extension not in ("png", "jpg") and density(blob, None) is not None)
+    return names + ["resolution"] * (extension not in ("png", "jpg", "zarr") and density(blob, None) is not None)

@@ -28,6 +28,8 @@ class Reader(ABC):
     """What stands for a format's name in OpenImageIO."""
     in_library = 0
     """How many times the size of all samples the library holds."""
+    layout: str | None = None
+    """That of a picture, where it does not follow from the header."""
 
     @abstractmethod
     def spec(self) -> ImageSpec:

@@ -29,10 +29,12 @@ from sgicodec.image.heif_reader import HeifReader
 from sgicodec.image.library import load_openimageio
 from sgicodec.image.opening import by_others, complaint, is_openimageio, no_size_limit, open_image
 from sgicodec.image.pages import ONLY, PageChoice, check_page, chosen_page
+from sgicodec.image.planes import Planes
 from sgicodec.image.raw_reader import RawReader
 from sgicodec.image.silence import without_libpng
 from sgicodec.image.slide_reader import SlideReader, is_slide
 from sgicodec.image.sniffed import SniffedFormat, sniffed_format
+from sgicodec.image.zarr_reader import ZarrReader, is_zarr
 from sgicodec.metadata import embedded, geo, ifd, placement, png
 from sgicodec.metadata.filebytes import FileBytes
 from sgicodec.metadata.layouts import alpha_index
@@ -149,6 +151,8 @@ def open_picture(path: Path, *, any_size: bool = False, alpha: Alpha = "auto", p
         slide = SlideReader(path)
         spec, kind = slide.spec(), slide.format_name()
         return Opened(path, slide, spec, kind, header(spec, kind), slide.metadata(), AsIs, False)
+    if is_zarr(path):
+        return _zarr_picture(path, alpha, page)
     with path.open("rb") as file:
         data = FileBytes(file)
         other = _check(data)
@@ -166,8 +170,8 @@ def open_picture(path: Path, *, any_size: bool = False, alpha: Alpha = "auto", p
             image = open_image(path, second=True, page=page)
         image = by_others(path, data, image, chosen, declared)
         spec, kind = _spec(image, found, chosen.subimage), image.format_name()
-    probe = header(spec, kind, _LAST.get(alpha, declared.last))
-    georeference = found.geo
+    probe = _probe(image, spec, _LAST.get(alpha, declared.last))
+    georeference = _with_names(found.geo, image)
     if not has_own_numbers(spec):
         georeference = geo.resampled(georeference, lambda value: number_as_read(value, spec))
     georeference = placement.oriented(georeference, orientation(spec, kind), spec.width, spec.height)
@@ -203,6 +207,25 @@ def _sniffed_picture(path: Path, found: SniffedFormat, metadata: Metadata, alpha
     has_alpha = alpha != "band" and alpha_index(header(spec, kind).channels) is not None
     associated = has_alpha and image.associated
     return Opened(path, image, spec, kind, probe, own, AsIs, associated, PageChoice(pages=image.pages))
+
+
+def _zarr_picture(path: Path, alpha: Alpha, page: int | None) -> Opened:
+    image = ZarrReader(path, page)
+    spec = image.spec()
+    probe = _probe(image, spec, _LAST.get(alpha, "alpha"))
+    return Opened(path, image, spec, image.kind, probe, image.metadata(), AsIs, False, PageChoice(pages=image.pages))
+
+
+def _probe(image: Any, spec: ImageSpec, last: Last) -> Probe:
+    """The header; where its reader knows that channels are no colours, they are none."""
+    probe = header(spec, image.format_name(), last)
+    return replace(probe, channels="multi") if getattr(image, "layout", None) == "multi" else probe
+
+
+def _with_names(georeference: bytes | None, image: Any) -> bytes | None:
+    """The blob, with the names of bands that the reader knows of planes."""
+    named = geo.load(image.metadata().geo) if isinstance(image, Planes) else {}
+    return geo.pack(geo.load(georeference) | named) if named else georeference
 
 
 def _check(data: FileBytes) -> SniffedFormat | None:

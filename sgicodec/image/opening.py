@@ -16,13 +16,14 @@ from sgicodec.image.jpeg2000_reader import Jpeg2000Reader
 from sgicodec.image.origin import first_line
 from sgicodec.image.pages import PageChoice
 from sgicodec.image.pillow_reader import PillowReader, is_for_pillow
+from sgicodec.image.planes import Planes
 from sgicodec.image.silence import without_libpng
 from sgicodec.image.tiff_reader import TiffReader, left_to_gdal
 from sgicodec.metadata import png
 from sgicodec.metadata.filebytes import FileBytes
 
 if TYPE_CHECKING:
-    from OpenImageIO import ImageInput
+    from OpenImageIO import ImageInput, ImageSpec
 
 __all__ = ["by_others", "complaint", "is_openimageio", "no_size_limit", "open_image"]
 
@@ -86,10 +87,20 @@ def by_others(path: Path, data: FileBytes, image: Any, chosen: PageChoice, decla
         return image
     image.seek_subimage(chosen.subimage, 0)
     spec, reason = oiio.ImageSpec(image.spec()), left_to_gdal(data)
+    if chosen.channels:
+        return _planes(path, spec, reason, chosen)
     if reason is not None:
         image = TiffReader(path, chosen.subimage, spec, reason)
     extra = extra_samples(data, spec)
     return image if extra is None else Inks(image, spec, extra)
+
+
+def _planes(path: Path, spec: ImageSpec, reason: str | None, chosen: PageChoice) -> Planes:
+    """Raises PictureError for what OpenImageIO does not read."""
+    if reason is not None or spec.nchannels != 1:
+        what = reason or f"its planes have {spec.nchannels} samples per pixel"
+        raise PictureError(f"its channels are planes of their own, and {what}; save it as TIFF by Deflate")
+    return Planes(lambda: open_image(path), spec, chosen.channels, chosen.names)
 
 
 def is_openimageio(image: Any) -> bool:

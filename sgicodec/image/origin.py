@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any, BinaryIO
 
 from sgicodec.errors import PictureError, UsageError
+from sgicodec.image.zarr_reader import is_zarr
 from sgicodec.remote.url import file_name, is_url, open_url
 
 __all__ = ["Origin", "display_name", "first_line", "has_signature", "is_utf8", "naming", "on_disk"]
@@ -82,7 +83,7 @@ def on_disk(origin: Origin) -> Iterator[Path]:
             stream: BinaryIO = stack.enter_context(open_url(origin, PictureError))
             suffix = Path(file_name(origin)).suffix.lower()
         elif isinstance(origin, str | Path):
-            if Path(origin).is_file() and is_utf8(origin) and not _NULL.search(str(origin)):
+            if _is_readable(Path(origin)) and is_utf8(origin) and not _NULL.search(str(origin)):
                 yield Path(origin)
                 return
             stream = stack.enter_context(Path(origin).open("rb"))
@@ -98,6 +99,11 @@ def on_disk(origin: Origin) -> Iterator[Path]:
         shutil.copyfileobj(stream, copy)
         copy.flush()
         yield Path(copy.name)
+
+
+def _is_readable(path: Path) -> bool:
+    """Whether it is a file, or a folder of Zarr, which is read where it lies."""
+    return path.is_file() or is_zarr(path)
 
 
 def has_signature(head: bytes) -> bool:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from sgicodec.errors import PictureError, UsageError
 from sgicodec.metadata import png
+from sgicodec.metadata.ome_planes import ChannelPlanes, channel_planes
 from sgicodec.metadata.pages import Page, tiff_pages
 from sgicodec.metadata.stacks import images
 
@@ -23,13 +24,16 @@ in another size.
 
 class PageChoice(NamedTuple):
     """A page. subimage: its number to OpenImageIO; pages: how many there are; directory: of a TIFF, where it stands;
-    left_out: whether OpenImageIO does not read it.
+    left_out: whether OpenImageIO does not read it; channels: the subimages of its channels, where each has one of its
+    own, whose names are `names`.
     """
 
     subimage: int = 0
     pages: int = 1
     directory: Page | None = None
     left_out: bool = False
+    channels: tuple[int, ...] = ()
+    names: tuple[str, ...] = ()
 
 
 ONLY = PageChoice()
@@ -47,6 +51,9 @@ def chosen_page(path: Path, data: Bytes, image: Any, page: int | None) -> PageCh
         if len(found) > 1 and not image.seek_subimage(found[-1].number, 0):  # levels of a texture, or damage
             image.geterror()
             found = found[:1]
+        planes = channel_planes(data, len(found))
+        if planes is not None and len({found[number][2:4] for number in planes.pages[0]}) == 1:
+            return _page_of_channels(found, planes, page)
         count = max(len(found), images(data))
         check_page(page, count)
         if (page or 1) > len(found):
@@ -62,6 +69,13 @@ def chosen_page(path: Path, data: Bytes, image: Any, page: int | None) -> PageCh
     count = _counted(path) if kind in _COUNTED else 1
     check_page(page, count)
     return PageChoice((page or 1) - 1, count)
+
+
+def _page_of_channels(found: list[Page], planes: ChannelPlanes, page: int | None) -> PageChoice:
+    check_page(page, len(planes.pages))
+    channels = [found[number] for number in planes.pages[(page or 1) - 1]]
+    numbers = tuple(channel.number for channel in channels)
+    return PageChoice(channels[0].number, len(planes.pages), channels[0], channels=numbers, names=planes.names)
 
 
 def _counted(path: Path) -> int:

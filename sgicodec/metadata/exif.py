@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import struct
 
-from sgicodec.metadata import ifd
+from sgicodec.metadata import ifd, slides
 from sgicodec.metadata.motion import Motion
 
 __all__ = ["PREFIX", "moved", "orientation", "plain", "size", "upright"]
@@ -14,9 +14,9 @@ __all__ = ["PREFIX", "moved", "orientation", "plain", "size", "upright"]
 PREFIX = b"Exif\0\0"
 """What stands before the blob in JPEG, and in other files by mistake."""
 
-_SHORT, _LONG, _RATIONAL = 3, 4, 5
+_ASCII, _SHORT, _LONG, _RATIONAL = 2, 3, 4, 5
 _FORMS = {1: "B", _SHORT: "H", _LONG: "I"}
-_ORIENTATION = 274
+_DESCRIPTION, _ORIENTATION = 270, 274
 _DIRECTORIES = (ifd.EXIF_IFD, ifd.INTEROP_IFD)
 
 _SIZES = ((256, 257), (40962, 40963), (4097, 4098))
@@ -76,6 +76,7 @@ def moved(blob: bytes, motion: Motion) -> bytes:
         values = found.integers(tag)
         if values is not None:
             found.change(tag, motion.area(values))
+    found.change_description(motion)
     return bytes(found.data)
 
 
@@ -151,6 +152,21 @@ class _Blob:
         found = self._find(tag)
         is_ratio = found is not None and found[1].kind == _RATIONAL and found[1].values == 1
         return self._offset(found[1], 8) if found is not None and is_ratio else None
+
+    def change_description(self, motion: Motion) -> None:
+        """That of a slide, whose pixels have another size now. A longer text stands behind all else."""
+        found = self._find(_DESCRIPTION)
+        at = None if found is None else self._offset(found[1], found[1].values)
+        if found is None or at is None or found[1].kind != _ASCII or found[1].values <= 4:
+            return
+        old = bytes(self.data[at : at + found[1].values])
+        text = slides.scaled(old, motion.scale_x, motion.scale_y)
+        if len(text) > len(old):
+            at = len(self.data) + len(self.data) % 2
+            self.data += bytes(at - len(self.data)) + text
+        else:
+            self.data[at : at + len(old)] = text.ljust(len(old), b"\0")
+        struct.pack_into(self.order + "II", self.data, found[1].at - 4, max(len(text), 5), at)
 
     def change(self, tag: int, values: list[int] | None) -> None:
         """Write as many integers as there are, or take the tag out. One that is too large becomes wider."""

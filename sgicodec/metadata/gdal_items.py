@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import NamedTuple
 from xml.etree import ElementTree
+from xml.sax.saxutils import escape
 
-from sgicodec.metadata import geo
+from sgicodec.metadata import geo, ifd
 
-__all__ = ["BandFacts", "band_facts", "last_colour"]
+__all__ = ["BandFacts", "band_facts", "last_colour", "named_bands"]
 
+_ASCII = 2
 _MAX_TEXT = 1 << 22
 """Bytes that are looked at."""
 _STALE = ("statistics_", "approx_statistics_", "tifftag_minsamplevalue", "tifftag_maxsamplevalue")
@@ -57,10 +59,27 @@ def band_facts(blob: bytes | None, bands: int) -> list[BandFacts]:
     return found
 
 
+def named_bands(names: Sequence[str]) -> dict[int, ifd.Entry]:
+    """The tag that gives bands their names, as GDAL writes it; an empty name is none."""
+    items = [
+        f'<Item name="DESCRIPTION" sample="{band}" role="description">{escape(_printable(name))}</Item>'
+        for band, name in enumerate(names)
+        if name
+    ]
+    if not items:
+        return {}
+    text = "\n".join(("<GDALMetadata>", *items, "</GDALMetadata>"))
+    return {geo.GDAL_METADATA: ifd.Entry(_ASCII, text.encode() + b"\0")}
+
+
 def last_colour(text: bytes, bands: int) -> str | None:
     """What GDAL calls the last of so many bands, such as "Undefined", in lower case; None where it says nothing."""
     named = [item.value.lower() for item in _items(text) if item.role == "colorinterp" and item.band == bands - 1]
     return named[-1] if named else None
+
+
+def _printable(name: str) -> str:
+    return "".join(character if character.isprintable() else " " for character in name)
 
 
 def _items(text: bytes) -> Iterator[_Item]:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from sgicodec.metadata import density, geo, ifd
+from sgicodec.metadata import density, geo, ifd, slides
 from sgicodec.metadata.placement import transformation
 
 __all__ = ["Georeference", "Resolution", "georeference", "resolution"]
@@ -32,7 +32,6 @@ _CITED = re.compile(
 _DESCRIPTION = 270
 _MICRONS = {2: 25400.0, 3: 10000.0}
 _PER = {2: "inch", 3: "cm"}
-_APERIO = re.compile(rb"\bMPP\s*=\s*([0-9.]+)")
 
 
 @dataclass(frozen=True)
@@ -143,11 +142,8 @@ def resolution(blob: bytes | None, exif: bytes | None) -> Resolution | None:
 
 
 def _of_slide(description: bytes) -> Resolution | None:
-    aperio = _APERIO.search(description)
-    try:
-        return _sound((float(aperio[1]),) * 2, "Aperio MPP") if aperio else None
-    except ValueError:
-        return None
+    microns = slides.microns_per_pixel(description)
+    return None if microns is None else _sound((microns, microns), "Aperio MPP")
 
 
 def _of_tags(entries: dict[int, ifd.Entry]) -> Resolution | None:

@@ -7,11 +7,14 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from sgicodec.decoder.stream import Stream
 from sgicodec.errors import PictureError, require
 from sgicodec.files.scratch import scratch_folder
 from sgicodec.files.whole import whole_file
-from sgicodec.plugins.pyramid import write_levels
+from sgicodec.plugins.compression import DEFLATE, Compression
+from sgicodec.plugins.pyramid import is_masked, write_levels
 from sgicodec.remote.upload import local_file
 
 __all__ = ["write_cog"]
@@ -20,8 +23,6 @@ _CACHE_MIB = 64
 
 _OPTIONS = {
     "driver": "COG",
-    "COMPRESS": "DEFLATE",
-    "PREDICTOR": "YES",
     "BLOCKSIZE": "512",
     "BIGTIFF": "IF_SAFER",
     "OVERVIEWS": "FORCE_USE_EXISTING",
@@ -29,7 +30,12 @@ _OPTIONS = {
 
 
 def write_cog(
-    stream: Stream, path: str | Path, *, done: Callable[[int], None] = lambda rows: None, **view: Any
+    stream: Stream,
+    path: str | Path,
+    *,
+    compression: Compression = DEFLATE,
+    done: Callable[[int], None] = lambda rows: None,
+    **view: Any,
 ) -> None:
     """Writes a stream, or a part of it, with place, nodata and overviews, to a file or URL, where it appears whole
     or not at all.
@@ -42,13 +48,16 @@ def write_cog(
     import rasterio.shutil
     from rasterio.errors import RasterioError
 
+    masked = is_masked(stream, compression, view)
+    dtype = np.dtype(view.get("dtype") or stream.dtype)
+    compression.check(stream.header.channels, dtype, None if masked else stream.nodata)
     try:
         with local_file(path, PictureError) as target, scratch_folder(target.resolve().parent) as folder:
             unordered, ordered = folder / "pyramid.tif", folder / "cog.tif"
             with unordered.open("wb") as file:
-                write_levels(stream, file, False, view, done)
+                write_levels(stream, file, False, view, done, masked=masked)
             with rasterio.Env(GDAL_CACHEMAX=_CACHE_MIB):
-                rasterio.shutil.copy(unordered, ordered, **_OPTIONS)
+                rasterio.shutil.copy(unordered, ordered, **_OPTIONS, **compression.for_gdal())
             with whole_file(target) as out, ordered.open("rb") as done_file:
                 shutil.copyfileobj(done_file, out)
     except RasterioError as error:

@@ -1,12 +1,17 @@
-"""Names of OME-TIFF files, known without what writes them."""
+"""Names of OME-TIFF and OME-Zarr, known without what writes them."""
 
 from __future__ import annotations
 
 import re
 
-__all__ = ["is_ome_name"]
+__all__ = ["is_ome_name", "is_zarr_name"]
 
 
 def is_ome_name(name: str) -> bool:
     """Whether a file of this name is OME-TIFF."""
     return re.search(r"\.ome\.tiff?$", name, re.IGNORECASE) is not None
+
+
+def is_zarr_name(name: str) -> bool:
+    """Whether a folder of this name is Zarr."""
+    return re.search(r"\.zarr[/\\]*$", name, re.IGNORECASE) is not None

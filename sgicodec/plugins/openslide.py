@@ -19,6 +19,7 @@ from sgicodec.decoder.view import inner_view, level_view
 from sgicodec.errors import RegionError, UsageError, require
 from sgicodec.metadata.georeference import resolution
 from sgicodec.metadata.layouts import WITHOUT_ALPHA
+from sgicodec.metadata.slides import magnification
 from sgicodec.metadata.tiff import DESCRIPTION, described
 from sgicodec.picture import Picture, nodata_mask, to_rgb8
 from sgicodec.remote.url import is_url
@@ -27,9 +28,6 @@ if TYPE_CHECKING:
     from PIL.Image import Image
 
 __all__ = ["Slide"]
-
-_POWER = re.compile(r"""(?:\bAppMag\s*=\s*|\bNominalMagnification=")([0-9]+(?:\.[0-9]+)?)""")
-"""The magnification of the objective in a description, as Aperio and OME write it."""
 
 
 class Slide:
@@ -96,10 +94,10 @@ class Slide:
             found |= {f"openslide.mpp-{axis}": f"{size:.15g}" for axis, size in zip("xy", scale.microns, strict=True)}
         comment = described(metadata.exif).get(DESCRIPTION)
         if comment is not None:
-            text = found["openslide.comment"] = comment.data.rstrip(b"\0").decode("utf-8", "replace")
-            power = _POWER.search(text)
+            found["openslide.comment"] = comment.data.rstrip(b"\0").decode("utf-8", "replace")
+            power = magnification(comment.data)
             if power is not None:
-                found["openslide.objective-power"] = power[1]
+                found["openslide.objective-power"] = power
         return MappingProxyType(found)
 
     @property

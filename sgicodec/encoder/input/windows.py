@@ -119,9 +119,12 @@ class _SourceWindows:
 
     def digest(self) -> bytes:
         digest = hashlib.sha256(b"" if self.page is None else b"page %d" % self.page)
-        with Path(self._source.path).open("rb") as file:
-            while block := file.read(_BLOCK):
-                digest.update(block)
+        path = Path(self._source.path)
+        for part in sorted(filter(Path.is_file, path.rglob("*"))) if path.is_dir() else [path]:
+            digest.update(part.relative_to(path).as_posix().encode() if part != path else b"")
+            with part.open("rb") as file:
+                while block := file.read(_BLOCK):
+                    digest.update(block)
         return digest.digest()
 
 

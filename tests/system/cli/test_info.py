@@ -56,7 +56,7 @@ def test_headers_alone_are_read(sgi: Run, stream: Path, monkeypatch: pytest.Monk
     monkeypatch.setattr("sgicodec.decoder.stream.open_stream", None)
     facts = json.loads(sgi("info", stream, "--json").stdout)
     later = {"seeds", "gaussians", "texture_cells", "symbol_crc"}
-    absent = {"overview", "max_error", "graphics_error", "place", "nodata", "resolution"}
+    absent = {"overview", "max_error", "graphics_error", "place", "nodata", "magnification", "resolution"}
     assert {name for name, value in facts.items() if value is None} == later | absent
     assert facts.keys() == surveyed.keys()
     assert all(facts[name] == surveyed[name] for name in facts.keys() - later - {"parts"})

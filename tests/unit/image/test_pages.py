@@ -48,7 +48,7 @@ def animation(name: str, **options: Any) -> bytes:
         tiff(list(STACK), bigtiff=True),
         tiff([STACK[0], STACK[1, :5, :9], STACK[2, :12, :16]]),
         stack(imagej=True, metadata={"axes": "ZYX"}),
-        stack(ome=True, metadata={"axes": "CYX"}),
+        stack(ome=True, metadata={"axes": "ZYX"}),
     ],
     ids=["little", "big", "bigtiff", "sizes", "imagej", "ome"],
 )

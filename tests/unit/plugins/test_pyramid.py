@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,8 @@ from PIL import ImageCms
 import sgicodec
 from sgicodec.cli.main import cli
 from sgicodec.decoder import bands
+from sgicodec.metadata import geo, ifd
+from sgicodec.metadata.gdal_items import band_facts, named_bands
 from sgicodec.picture import Metadata, Picture
 from sgicodec.plugins.ome_name import is_ome_name
 from sgicodec.plugins.pyramid import write_pyramid
@@ -101,3 +104,59 @@ def test_the_command(stream: sgicodec.Stream, tmp_path: Path) -> None:
     np.testing.assert_array_equal(tifffile.imread(tmp_path / "c.tif"), sgicodec.imread(path))
     for wrong in (("a.png", "--pyramid"), ("a.tif", "--pyramid", "--cog")):
         assert run("decode", path, *wrong).exit_code == 2
+
+
+def test_a_slide_keeps_its_objective_and_the_size_of_its_pixels(tmp_path: Path) -> None:
+    description = b"Aperio Image Library v1\r\n48x32 JPEG/RGB Q=30|AppMag = 40|MPP = 0.2500|Left = 25.69\0"
+    exif = b"II*\0\x08\0\0\0" + ifd.dump({270: ifd.Entry(2, description)}, 8)
+    picture = Picture(np.zeros((32, 48, 3), np.uint8), "rgb", (0, 255), Metadata(exif=exif))
+    source = tmp_path / "a.sgi"
+    source.write_bytes(sgicodec.encode_picture(picture, sgicodec.EncodeSettings(steps=1, rdoq=False)).data)
+    assert "0.25 µm per pixel (Aperio MPP)\n  objective   40×" in run("info", source).output
+    for out, options in (("a.ome.tif", ()), ("b.ome.tif", ()), ("a.tif", ("--pyramid", "--scale", "1/4"))):
+        assert run("decode", source, tmp_path / out, *options, "--quiet").exit_code == 0
+    assert (tmp_path / "a.ome.tif").read_bytes() == (tmp_path / "b.ome.tif").read_bytes()
+    with tifffile.TiffFile(tmp_path / "a.ome.tif") as file:
+        found = tifffile.xml2dict(file.ome_metadata)["OME"]
+        assert found["Instrument"]["Objective"]["NominalMagnification"] == 40
+        assert found["Image"]["ObjectiveSettings"]["ID"] == found["Instrument"]["Objective"]["ID"]
+        assert found["Image"]["Pixels"]["PhysicalSizeY"] == 0.25
+    assert run("encode", tmp_path / "a.ome.tif", tmp_path / "again.sgi", "-e", 1, "--quiet").exit_code == 0
+    facts = json.loads(run("info", "--json", tmp_path / "again.sgi").output)
+    assert (facts["magnification"], facts["resolution"]["microns_per_pixel"]) == ("40", [0.25, 0.25])
+    with tifffile.TiffFile(tmp_path / "a.tif") as file:
+        assert file.pages[0].description.endswith("|AppMag = 40|MPP = 1|Left = 25.69")
+
+
+@pytest.mark.parametrize("compression", ["deflate", "jpeg:95"])
+def test_bands_without_a_meaning_are_planes_with_names(compression: str, tmp_path: Path) -> None:
+    y, x = np.mgrid[:HEIGHT, :WIDTH]
+    pixels = np.stack([x % 256, y % 256, (x + y) // 5, (x - y) % 256], axis=2).astype(np.uint8)
+    tags = geo.pack(named_bands(["DAPI", "", "Cy5 <far>", "Cy7"]))
+    settings = sgicodec.EncodeSettings(steps=2, tile=256, rdoq=False, overview=False)
+    source = tmp_path / "a.sgi"
+    source.write_bytes(sgicodec.encode_picture(Picture(pixels, "multi", (0, 255), Metadata(geo=tags)), settings).data)
+    result = run("decode", source, tmp_path / "a.ome.tif", "--compress", compression, "--quiet")
+    assert result.exit_code == 0, result.output
+    most = 0 if compression == "deflate" else 40
+    with tifffile.TiffFile(tmp_path / "a.ome.tif") as file, sgicodec.open(source) as stream:
+        assert file.series[0].axes == "CYX"
+        names = [
+            channel.get("Name") for channel in tifffile.xml2dict(file.ome_metadata)["OME"]["Image"]["Pixels"]["Channel"]
+        ]
+        assert names == ["DAPI", "", "Cy5 <far>", "Cy7"]
+        assert len(file.series[0].levels) == len(stream.levels)
+        for level, size in zip(file.series[0].levels, stream.levels, strict=True):
+            expected = np.moveaxis(stream.read(size=size[:2]), -1, 0).astype(int)
+            assert np.abs(level.asarray() - expected).max() <= most
+    again = sgicodec.read(tmp_path / "a.ome.tif")
+    assert [facts.description for facts in band_facts(again.metadata.geo, 4)] == ["DAPI", None, "Cy5 <far>", "Cy7"]
+
+
+def test_progress_counts_the_rows_of_all_planes(tmp_path: Path) -> None:
+    rows: list[int] = []
+    with sgicodec.open(GOLDEN / "multi8.sgi") as stream:
+        write_pyramid(stream, tmp_path / "a.ome.tif", done=rows.append)
+        assert rows == sorted(rows)
+        assert len(rows) == stream.header.spec.channels
+        assert rows[-1] == stream.height

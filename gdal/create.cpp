@@ -1,0 +1,171 @@
+#include "create.hpp"
+
+#include <cpl_conv.h>
+#include <cpl_spawn.h>
+#include <cpl_string.h>
+#include <cpl_vsi.h>
+
+#include <cctype>
+#include <string>
+
+namespace {
+
+constexpr double kCopied = 0.05;  // share of the progress that the copy in TIFF has
+
+// A file that goes with this object.
+struct Scratch {
+  std::string path;
+  ~Scratch() {
+    VSIUnlink((path + ".aux.xml").c_str());
+    VSIUnlink((path + ".msk").c_str());
+    VSIUnlink(path.c_str());
+  }
+};
+
+// Says that something is lost: an error where the copy is to be strict. Whether to go on.
+bool lose(bool is_strict, const char *name, const std::string &what) {
+  CPLError(is_strict ? CE_Failure : CE_Warning, CPLE_NotSupported, "%s: %s", name, what.c_str());
+  return !is_strict;
+}
+
+bool accepts(const char *name, GDALDataset &source, bool is_strict) {
+  const int bands = source.GetRasterCount();
+  if (!bands) {
+    CPLError(CE_Failure, CPLE_NotSupported, "%s: the source has no bands", name);
+    return false;
+  }
+  const GDALDataType type = source.GetRasterBand(1)->GetRasterDataType();
+  for (int band = 1; band <= bands; ++band) {
+    if (source.GetRasterBand(band)->GetRasterDataType() == type && !GDALDataTypeIsComplex(type)) continue;
+    CPLError(CE_Failure, CPLE_NotSupported, "%s: bands of a stream are real numbers of one type; choose one by -ot",
+             name);
+    return false;
+  }
+  const bool is_held = type == GDT_Byte || type == GDT_UInt16 || type == GDT_Float32;
+  if (!is_held && !lose(is_strict, name, std::string("samples of ") + GDALGetDataTypeName(type) + " become Float32"))
+    return false;
+  const int flags = source.GetRasterBand(1)->GetMaskFlags();
+  if (flags & (GMF_ALL_VALID | GMF_ALPHA | GMF_NODATA)) return true;
+  return lose(is_strict, name, "the mask is not kept; gdalwarp -dstalpha makes alpha of it, which is");
+}
+
+// The dataset as GeoTIFF, which `sgi` reads with all that its tags say.
+bool copied(GDALDataset &source, const Scratch &tiff, const char *name, bool is_strict, GDALProgressFunc progress,
+            void *user) {
+  CPLStringList options;
+  options.SetNameValue("BIGTIFF", "IF_SAFER");
+  options.SetNameValue("TILED", "YES");
+  // Samples of fewer bits would be stretched to all of their type.
+  const int bits = GDALGetDataTypeSizeBits(source.GetRasterBand(1)->GetRasterDataType());
+  options.SetNameValue("NBITS", std::to_string(bits).c_str());
+  GDALDriver *driver = GetGDALDriverManager()->GetDriverByName("GTiff");
+  if (!driver) {
+    CPLError(CE_Failure, CPLE_AppDefined, "%s: GDAL has no driver GTiff, which a copy is made with", name);
+    return false;
+  }
+  void *scaled = GDALCreateScaledProgress(0, kCopied, progress, user);
+  GDALDatasetUniquePtr copy(
+      driver->CreateCopy(tiff.path.c_str(), &source, is_strict, options.List(), GDALScaledProgress, scaled));
+  GDALDestroyScaledProgress(scaled);
+  if (!copy) return false;
+  copy.reset();
+  VSIStatBufL status;
+  if (VSIStatL((tiff.path + ".aux.xml").c_str(), &status) != 0) return true;
+  return lose(is_strict, name, "what GeoTIFF has no tags for (categories, attribute tables, histograms) is not kept");
+}
+
+// Options of `sgi encode` that have a value, as GDAL names them.
+constexpr const char *kValues[] = {"QUALITY", "EFFORT", "MAX_ERROR", "PSNR", "BPP",
+                                   "TUNE",    "RANGE",  "ALPHA",     "TILE", "THREADS"};
+
+std::string option_of(const char *name) {
+  std::string option = std::string("--") + name;
+  for (char &letter : option) letter = letter == '_' ? '-' : char(std::tolower(static_cast<unsigned char>(letter)));
+  return option;
+}
+
+// The words of a command that encodes a picture.
+CPLStringList command(const CPLStringList &options, const std::string &picture, const std::string &out) {
+  CPLStringList words;
+  for (const char *word : {options.FetchNameValueDef("PROGRAM", "sgi"), "encode", "--force", "--quiet", "--progress",
+                           "off", "--output", out.c_str()})
+    words.AddString(word);
+  for (const char *name : kValues) {
+    const char *value = options.FetchNameValue(name);
+    if (!value) continue;
+    words.AddString(option_of(name).c_str());
+    words.AddString(value);
+  }
+  if (options.FetchBool("LOSSLESS", false)) words.AddString("--lossless");
+  words.AddString("--");
+  words.AddString(picture.c_str());
+  return words;
+}
+
+// Runs a command; what it says on stderr becomes an error of GDAL's.
+bool ran(const char *name, const CPLStringList &words) {
+  CPLErrorReset();
+  CPLPushErrorHandler(CPLQuietErrorHandler);
+  CPLSpawnedProcess *process = CPLSpawnAsync(nullptr, words.List(), FALSE, FALSE, TRUE, nullptr);
+  CPLPopErrorHandler();
+  if (!process) {
+    CPLError(CE_Failure, CPLE_AppDefined,
+             "%s: the program %s, which encodes, does not start; say where it is: -co "
+             "PROGRAM=/path/of/sgi",
+             name, words[0]);
+    return false;
+  }
+  std::string said;
+  const CPL_FILE_HANDLE errors = CPLSpawnAsyncGetErrorFileHandle(process);
+  for (char byte; CPLPipeRead(errors, &byte, 1);) said += byte;
+  const int status = CPLSpawnAsyncFinish(process, TRUE, FALSE);
+  while (!said.empty() && said.back() == '\n') said.pop_back();
+  const std::string copy = std::string(words[words.Count() - 1]) + ": ";
+  if (const size_t at = said.find(copy); at != std::string::npos) said.erase(at, copy.size());
+  if (status == 0) {
+    if (!said.empty()) CPLError(CE_Warning, CPLE_AppDefined, "%s: %s", name, said.c_str());
+    return true;
+  }
+  if (said.empty()) said = std::string(words[0]) + " ended with " + std::to_string(status);
+  CPLError(CE_Failure, CPLE_AppDefined, "%s: %s", name, said.c_str());
+  return false;
+}
+
+}  // namespace
+
+const char *const kCreationOptions =
+    "<CreationOptionList>"
+    "<Option name='QUALITY' type='float' min='1' max='100' default='50' description='90 visually lossless, 40 "
+    "preview'/>"
+    "<Option name='EFFORT' type='int' min='1' max='9' default='3' description='More is smaller and slower'/>"
+    "<Option name='LOSSLESS' type='boolean' default='NO' description='Every sample as it is'/>"
+    "<Option name='MAX_ERROR' type='float' min='0' description='Levels by which no sample may be off'/>"
+    "<Option name='PSNR' type='float' description='PSNR to end at, in dB'/>"
+    "<Option name='BPP' type='float' description='Bits per pixel to end at, never above'/>"
+    "<Option name='TUNE' type='string-select' description='What to look good to'>"
+    "<Value>visual</Value><Value>psnr</Value></Option>"
+    "<Option name='RANGE' type='string' default='used' description='Samples: used, type or LOW,HIGH'/>"
+    "<Option name='ALPHA' type='string-select' default='auto' description='What a last band declared as alpha becomes'>"
+    "<Value>auto</Value><Value>band</Value><Value>none</Value></Option>"
+    "<Option name='TILE' type='int' min='0' description='Side of the tiles of a large picture, in pixels'/>"
+    "<Option name='THREADS' type='int' min='0' default='0' description='0 is one per core'/>"
+    "<Option name='PROGRAM' type='string' default='sgi' description='Path of the program that encodes'/>"
+    "</CreationOptionList>";
+
+GDALDataset *create_copy(const char *name, GDALDataset *source, bool is_strict, const CPLStringList &options,
+                         GDALProgressFunc progress, void *user) {
+  if (!accepts(name, *source, is_strict)) return nullptr;
+  const bool is_virtual = STARTS_WITH(name, "/vsi");
+  const std::string beside =
+      is_virtual ? CPLGenerateTempFilename("sgicodec") : name + ("." + std::to_string(CPLGetPID()));
+  const Scratch tiff{beside + ".copy.tif"}, encoded{is_virtual ? beside + ".sgi" : ""};
+  if (!copied(*source, tiff, name, is_strict, progress, user)) return nullptr;
+  const std::string out = is_virtual ? encoded.path : name;
+  if (!ran(name, command(options, tiff.path, out))) return nullptr;
+  if (is_virtual && CPLCopyFile(name, out.c_str()) != 0) {
+    CPLError(CE_Failure, CPLE_FileIO, "%s: it cannot be written", name);
+    return nullptr;
+  }
+  if (!progress(1, "", user)) return nullptr;
+  return GDALDataset::Open(name, GDAL_OF_RASTER | GDAL_OF_VERBOSE_ERROR);
+}

@@ -1,0 +1,148 @@
+"""Streams that GDAL's own programs write with the driver."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import rasterio
+from gdal_programs import NEEDS_GDAL, Run, info, pixels
+from rasterio.transform import from_origin
+
+import sgicodec
+
+pytestmark = NEEDS_GDAL
+
+SGI = Path(sys.executable).with_name("sgi")
+FAST = ("-co", "EFFORT=1", "-co", f"PROGRAM={SGI}")
+
+
+def field(bands: int, dtype: str) -> np.ndarray:
+    """Smooth samples [bands, 60, 80] with some noise."""
+    y, x = np.mgrid[:60, :80]
+    noise = np.random.default_rng(7).normal(0, 2, (bands, 60, 80))
+    return (100 + 60 * np.sin(x / 9) * np.cos(y / 7) + noise + 5 * np.arange(bands)[:, None, None]).astype(dtype)
+
+
+def geotiff(path: Path, samples: np.ndarray, **profile: Any) -> Path:
+    place = {"crs": "EPSG:32632", "transform": from_origin(500000, 5400000, 10, 10)}
+    shape = {"count": len(samples), "height": samples.shape[1], "width": samples.shape[2], "dtype": samples.dtype}
+    with rasterio.open(path, "w", driver="GTiff", **place, **shape, **profile) as file:
+        file.write(samples)
+    return path
+
+
+@pytest.fixture
+def scene(tmp_path: Path) -> Path:
+    """Four named bands of 16 bits, with nodata."""
+    samples = (37.3 * field(4, "float64")).astype("uint16")
+    samples[:, :10, :10] = 0
+    path = geotiff(tmp_path / "scene.tif", samples, nodata=0, photometric="minisblack", alpha="no")
+    with rasterio.open(path, "r+") as file:
+        file.descriptions = ("B2", "B3", "B4", "B8 near infrared")
+        file.scales = (1e-4,) * 4
+        file.update_tags(ACQUIRED="2024-06-01")
+    return path
+
+
+def create(gdal: Run, source: Path, out: object, *options: object, fails: bool = False) -> str:
+    words = ("gdal_translate", "-q", "-of", "SGICODEC", source, out, *FAST, *options)
+    return gdal(*words, fails=fails).stderr
+
+
+def test_a_lossless_copy_is_the_source(scene: Path, gdal: Run, tmp_path: Path) -> None:
+    out = tmp_path / "a.sgi"
+    assert create(gdal, scene, out, "-co", "LOSSLESS=YES") == ""
+    np.testing.assert_array_equal(pixels(gdal, out, tmp_path / "b.tif"), pixels(gdal, scene, tmp_path / "c.tif"))
+    source, stream = info(gdal, scene), info(gdal, out)
+    for key in ("size", "geoTransform", "coordinateSystem"):
+        assert stream[key] == source[key]
+    assert stream["metadata"][""]["ACQUIRED"] == "2024-06-01"
+    for given, found in zip(source["bands"], stream["bands"], strict=True):
+        for key in ("type", "description", "scale", "noDataValue", "colorInterpretation"):
+            assert found.get(key) == given.get(key), key
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a.sgi", "b.tif", "c.tif", "scene.tif"]
+
+
+def test_loss_is_what_options_ask_for(scene: Path, gdal: Run, tmp_path: Path) -> None:
+    sizes = []
+    for quality in (20, 60, 90):
+        create(gdal, scene, tmp_path / "a.sgi", "-co", f"QUALITY={quality}")
+        sizes.append((tmp_path / "a.sgi").stat().st_size)
+    assert sizes == sorted(set(sizes))
+    create(gdal, scene, tmp_path / "a.sgi", "-co", "MAX_ERROR=9", "-co", "TUNE=psnr", "-co", "THREADS=1")
+    with sgicodec.open(tmp_path / "a.sgi") as stream, rasterio.open(scene) as file:
+        error = np.abs(stream.read().astype(int) - np.moveaxis(file.read(), 0, -1))
+    assert 0 < error.max() <= 9
+
+
+def test_colours_and_alpha(gdal: Run, tmp_path: Path) -> None:
+    samples = field(4, "uint8")
+    samples[3] = np.where(samples[0] > 100, 255, 0)
+    source = geotiff(tmp_path / "a.tif", samples, photometric="rgb", alpha="yes")
+    create(gdal, source, tmp_path / "a.sgi")
+    assert [band["colorInterpretation"] for band in info(gdal, tmp_path / "a.sgi")["bands"]] == [
+        *("Red", "Green", "Blue", "Alpha")
+    ]
+    with sgicodec.open(tmp_path / "a.sgi") as stream:
+        np.testing.assert_array_equal(stream.read()[..., 3], samples[3])
+
+
+def test_samples_of_other_types(gdal: Run, tmp_path: Path) -> None:
+    """They become floats, which is said, and refused where the copy is to be strict. Few bits are not stretched."""
+    source = geotiff(tmp_path / "a.tif", field(1, "int16") - 100)
+    assert "samples of Int16 become Float32" in create(gdal, source, tmp_path / "a.sgi", "-co", "LOSSLESS=YES")
+    with sgicodec.open(tmp_path / "a.sgi") as stream:
+        np.testing.assert_array_equal(stream.read(), field(1, "int16")[0] - 100)
+    assert "become Float32" in create(gdal, source, tmp_path / "b.sgi", "-strict", fails=True)
+    twelve = geotiff(tmp_path / "c.tif", 10 * field(1, "uint16"), nbits=12)
+    create(gdal, twelve, tmp_path / "c.sgi", "-co", "LOSSLESS=YES")
+    with sgicodec.open(tmp_path / "c.sgi") as stream:
+        np.testing.assert_array_equal(stream.read(), 10 * field(1, "uint16")[0])
+    assert "one type" in create(
+        gdal, geotiff(tmp_path / "d.tif", field(1, "complex64")), tmp_path / "d.sgi", fails=True
+    )
+    assert not [path for path in tmp_path.iterdir() if path.name.startswith(("b.sgi", "d.sgi"))]
+
+
+def test_a_mask_is_said_to_be_lost(gdal: Run, tmp_path: Path) -> None:
+    with rasterio.Env(GDAL_TIFF_INTERNAL_MASK=True):
+        source = geotiff(tmp_path / "a.tif", field(3, "uint8"), photometric="rgb")
+        with rasterio.open(source, "r+") as file:
+            file.write_mask(field(1, "uint8")[0] > 90)
+    assert "the mask is not kept; gdalwarp -dstalpha makes alpha of it" in create(gdal, source, tmp_path / "a.sgi")
+    create(gdal, source, tmp_path / "b.sgi", "-strict", fails=True)
+    gdal("gdalwarp", "-q", "-dstalpha", source, tmp_path / "alpha.tif")
+    said = create(gdal, tmp_path / "alpha.tif", tmp_path / "c.sgi")
+    assert "c.sgi: sgi: the last band is declared as alpha" in said
+    with sgicodec.open(tmp_path / "c.sgi") as stream:
+        np.testing.assert_array_equal(stream.read()[..., 3] > 0, field(1, "uint8")[0] > 90)
+
+
+def test_what_goes_wrong(scene: Path, gdal: Run, tmp_path: Path) -> None:
+    out = tmp_path / "a.sgi"
+    nothing = ("-co", f"PROGRAM={tmp_path / 'nothing'}")
+    said = gdal("gdal_translate", "-q", "-of", "SGICODEC", scene, out, *nothing, fails=True).stderr
+    assert f"{tmp_path / 'nothing'}, which encodes, does not start; say where it is" in said
+    said = create(gdal, scene, out, "-co", "QUALITY=500", fails=True)
+    assert "sgi: " in said
+    assert [path.name for path in tmp_path.iterdir()] == ["scene.tif"]
+
+
+def test_other_file_systems_of_gdal(scene: Path, gdal: Run, tmp_path: Path) -> None:
+    create(gdal, scene, f"/vsizip/{tmp_path}/a.zip/scene.sgi")
+    assert info(gdal, f"/vsizip/{tmp_path}/a.zip/scene.sgi")["size"] == [80, 60]
+
+
+def test_what_geotiff_has_no_tags_for_is_said_to_be_lost(scene: Path, gdal: Run, tmp_path: Path) -> None:
+    virtual = tmp_path / "a.vrt"
+    gdal("gdal_translate", "-q", "-of", "VRT", "-b", 1, scene, virtual)
+    names = "<CategoryNames><Category>water</Category><Category>wood</Category></CategoryNames></VRTRasterBand>"
+    virtual.write_text(virtual.read_text().replace("</VRTRasterBand>", names))
+    kept = ("--config", "GDAL_PAM_ENABLED", "YES")
+    assert "what GeoTIFF has no tags for" in create(gdal, virtual, tmp_path / "a.sgi", *kept)
+    create(gdal, virtual, tmp_path / "b.sgi", "-strict", *kept, fails=True)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a.sgi", "a.vrt", "scene.tif"]

@@ -1,0 +1,117 @@
+"""Streams as OME-Zarr, as zarr and the specification of NGFF 0.4 have it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import zarr
+from click.testing import CliRunner, Result
+
+import sgicodec
+from sgicodec.cli.main import cli
+from sgicodec.decoder import bands
+from sgicodec.errors import UsageError
+from sgicodec.metadata import geo
+from sgicodec.metadata.gdal_items import band_facts, named_bands
+from sgicodec.metadata.stacks import resolution_tags
+from sgicodec.picture import Metadata, Picture
+from sgicodec.plugins.ome_zarr import write_ome_zarr
+
+GOLDEN = Path(__file__).parents[2] / "conformance" / "golden"
+
+
+def run(*arguments: object) -> Result:
+    return CliRunner().invoke(cli, [str(argument) for argument in arguments])
+
+
+@pytest.fixture(scope="module")
+def stream() -> sgicodec.Stream:
+    """Bands of 16 bits in several tiles, with names, of half a micrometre."""
+    y, x = np.mgrid[:300, :520]
+    pixels = np.stack([x + y, 3 * x + 2 * y + 1, y + 4000], axis=2).astype(np.uint16)
+    tags = resolution_tags(["0.5", "0.25"]) | named_bands(["DAPI", "", "Cy5"])
+    picture = Picture(pixels, "multi", ((0, 0, 4000), (1000, 4095, 4500)), Metadata(geo=geo.pack(tags)))
+    settings = sgicodec.EncodeSettings(steps=2, tile=256, rdoq=False, overview=False)
+    return sgicodec.open(sgicodec.encode_picture(picture, settings).data)
+
+
+def test_levels_and_what_is_said_of_them(
+    stream: sgicodec.Stream, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(bands, "BAND_SAMPLES", 70 * 520 * 3)
+    rows: list[int] = []
+    write_ome_zarr(stream, tmp_path / "a.zarr", done=rows.append)
+    assert rows[-1] == 300
+    group = zarr.open_group(tmp_path / "a.zarr", mode="r")
+    assert group.metadata.zarr_format == 2
+    scales = group.attrs["multiscales"][0]
+    assert (scales["version"], [axis["name"] for axis in scales["axes"]]) == ("0.4", ["c", "y", "x"])
+    assert [axis.get("unit") for axis in scales["axes"]] == [None, "micrometer", "micrometer"]
+    sizes = [(level.width, level.height) for level in stream.levels]
+    assert len(scales["datasets"]) == len(sizes) > 1
+    for (width, height), dataset in zip(sizes, scales["datasets"], strict=True):
+        samples = group[dataset["path"]]
+        assert samples.metadata.dimension_separator == "/"
+        np.testing.assert_array_equal(np.moveaxis(samples[:], 0, -1), stream.read(size=(width, height)))
+        scale = dataset["coordinateTransformations"][0]["scale"]
+        assert scale == pytest.approx([1, 0.25 * 300 / height, 0.5 * 520 / width])
+    channels = group.attrs["omero"]["channels"]
+    assert [channel.get("label") for channel in channels] == ["DAPI", None, "Cy5"]
+    assert channels[1]["window"] == {"min": 0, "max": 4095, "start": 0, "end": 4095}
+    assert [path.name for path in tmp_path.iterdir()] == ["a.zarr"]
+
+
+def test_a_part_at_a_scale_has_the_size_of_its_pixels(stream: sgicodec.Stream, tmp_path: Path) -> None:
+    view = {"region": (100, 30, 300, 260), "scale": 0.5}
+    write_ome_zarr(stream, tmp_path / "a.zarr", **view)
+    group = zarr.open_group(tmp_path / "a.zarr", mode="r")
+    assert group.attrs["multiscales"][0]["datasets"][0]["coordinateTransformations"][0]["scale"] == [1, 0.5, 1]
+    np.testing.assert_array_equal(np.moveaxis(group["0"][:], 0, -1), stream.read(**view))
+
+
+@pytest.mark.parametrize("name", ["rgb8", "rgba8", "gray8-alpha", "gray16", "float", "multi8"])
+def test_layouts_come_back(name: str, tmp_path: Path) -> None:
+    result = run("decode", GOLDEN / f"{name}.sgi", tmp_path / "a.ome.zarr", "--quiet")
+    assert result.exit_code == 0, result.output
+    picture = sgicodec.read(tmp_path / "a.ome.zarr")
+    with sgicodec.open(GOLDEN / f"{name}.sgi") as stream:
+        assert (picture.channels, picture.pixels.dtype) == (stream.header.channels, stream.dtype)
+        np.testing.assert_array_equal(picture.pixels.squeeze(), stream.read())
+
+
+def test_names_and_size_survive_an_encode(stream: sgicodec.Stream, tmp_path: Path) -> None:
+    write_ome_zarr(stream, tmp_path / "a.zarr")
+    result = run("encode", f"{tmp_path / 'a.zarr'}/", "-e", 1, "--tile", 256, "--quiet")
+    assert result.exit_code == 0, result.output
+    with sgicodec.open(tmp_path / "a.sgi") as again:
+        assert [facts.description for facts in band_facts(again.metadata.geo, 3)] == ["DAPI", None, "Cy5"]
+    assert "0.5 × 0.25 µm per pixel" in run("info", tmp_path / "a.sgi").output
+
+
+def test_what_may_be_replaced(tmp_path: Path) -> None:
+    out, source = tmp_path / "a.zarr", GOLDEN / "rgb8.sgi"
+    assert run("decode", source, out).exit_code == 0
+    (out / "old").touch()
+    again = run("decode", source, out)
+    assert (again.exit_code, again.stderr) == (6, f"sgi: {out} exists; give -f to overwrite it\n")
+    assert (out / "old").exists()
+    assert run("decode", source, out, "-f").exit_code == 0
+    assert not (out / "old").exists()
+    other = tmp_path / "b.zarr"
+    other.mkdir()
+    (other / "letter.txt").touch()
+    refused = run("decode", source, other, "-f")
+    assert (refused.exit_code, "is not replaced" in refused.stderr) == (2, True)
+    assert (other / "letter.txt").exists()
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a.zarr", "b.zarr"]
+
+
+def test_what_goes_not_together(stream: sgicodec.Stream, tmp_path: Path) -> None:
+    for option in ("--pyramid", "--cog", "--format=png"):
+        result = run("decode", GOLDEN / "rgb8.sgi", tmp_path / "a.zarr", option)
+        assert (result.exit_code, "is OME-Zarr" in result.stderr) == (2, True)
+    with pytest.raises(UsageError, match="is not written to a URL"):
+        write_ome_zarr(stream, "memory://a.zarr")
+    assert not list(tmp_path.iterdir())
