@@ -41,10 +41,13 @@ def test_size_and_metadata(crop: Picture) -> None:
     assert abs(math.log2(encoded.lmbda / lean.lmbda)) < 1.3
 
 
-@pytest.mark.parametrize("asked", [28.0, 33.0])
-@pytest.mark.parametrize("corner", [(0, 400), (400, 600)])
+@pytest.mark.parametrize(
+    ("corner", "asked"), [((0, 400), 28.5), ((0, 400), 33.0), ((400, 600), 28.0), ((400, 600), 33.0)]
+)
 def test_decibels_of_a_stream_of_hundred_bytes(corner: tuple[int, int], asked: float) -> None:
-    """Where a single symbol of texture moves the PSNR up or down by more than the tolerance."""
+    """Where a single symbol of texture moves the PSNR up or down by more than the tolerance. The first crop cannot have
+    less than 28.3 dB.
+    """
     picture, (top, left) = read(DATA / "kodim23.png"), corner
     small = replace(picture, pixels=np.ascontiguousarray(picture.pixels[top : top + 96, left : left + 128]))
     encoded = encode_picture(small, EncodeSettings(psnr=asked, effort=1))
