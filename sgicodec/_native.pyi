@@ -105,13 +105,14 @@ class Stream:
 
     @property
     def max_error(self) -> float:
-        """Of samples of the residual layer, -1 without one."""
+        """-1 where nothing is said of all samples."""
+
+    @property
+    def graphics_error(self) -> float:
+        """-1 where nothing is said of text alone."""
 
     @property
     def has_exact_views(self) -> bool: ...
-
-    @property
-    def has_cells(self) -> bool: ...
 
     @property
     def has_overview(self) -> bool: ...

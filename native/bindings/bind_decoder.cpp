@@ -146,9 +146,10 @@ void bind_decoder(nb::module_ &m) {
       .def_prop_ro("size", [](const sgi::Stream &self) { return self.chunks().size(); })
       .def_prop_ro("blobs", &blobs)
       .def_prop_ro("chunk_bytes", &chunk_bytes)
-      .def_prop_ro("max_error", &sgi::Stream::max_error, Released(), "Of samples of the residual layer, -1 without one.")
+      .def_prop_ro("max_error", &sgi::Stream::max_error, Released(), "-1 where nothing is said of all samples.")
+      .def_prop_ro("graphics_error", &sgi::Stream::graphics_error, Released(),
+                   "-1 where nothing is said of text alone.")
       .def_prop_ro("has_exact_views", &sgi::Stream::has_exact_views, Released())
-      .def_prop_ro("has_cells", &sgi::Stream::has_cells, Released())
       .def_prop_ro("has_overview", &sgi::Stream::has_overview)
       .def_prop_ro("overview", &sgi::Stream::overview, Released(), nb::rv_policy::reference_internal)
       .def_prop_ro("overview_bytes", [](const sgi::Stream &self) { return as_bytes(self.overview_bytes()); })

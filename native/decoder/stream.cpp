@@ -147,10 +147,10 @@ bool Stream::has_exact_views() {
   return blocks && blocks->has_views();
 }
 
-bool Stream::has_cells() {
+double Stream::graphics_error() {
   const Lock lock(parts_->turn);
   const ExactBlocks *blocks = exact_blocks();
-  return blocks && blocks->has_cells();
+  return blocks && blocks->has_cells() ? blocks->max_error() : -1;
 }
 
 ExactBlocks *Stream::exact_blocks() {
@@ -162,7 +162,7 @@ ExactBlocks *Stream::exact_blocks() {
 double Stream::max_error() {
   const Lock lock(parts_->turn);
   const ExactBlocks *blocks = exact_blocks();
-  return blocks ? blocks->max_error() : -1;
+  return blocks && !blocks->has_cells() ? blocks->max_error() : -1;
 }
 
 void Stream::check_exact() {

@@ -50,14 +50,15 @@ class Stream {
             int64_t stride);
   // Decodes all tiles, or those that are not known yet.
   const Survey &survey();
-  // By how much samples are off the source's at most where the residual layer is drawn; -1 where there is none.
+  // By how much samples are off the source's at most where the residual layer is drawn; -1 where there is none, or one
+  // of some cells alone.
   double max_error();
   // Decodes all of the residual layer, if there is one. Throws Error for one that is not sound.
   void check_exact();
   // Whether views at any scale and in any type are made from what the residual layer makes exact.
   bool has_exact_views();
-  // Whether the layer does so in some cells alone, those of text and line art.
-  bool has_cells();
+  // The same of samples of text and line art, where the layer is of their cells alone; else -1.
+  double graphics_error();
   bool has_overview() const;
   Stream &overview();                                  // throws Error (usage) where there is none
   const std::vector<uint8_t> &overview_bytes() const;  // of the one that was asked for, else empty

@@ -168,14 +168,14 @@ class Stream(ArrayView):
         """Levels by which no sample is off the source's at most: 0 without loss; None without residual layer, and with
         one that shows text and line art alone.
         """
-        native = self._open_native()
-        return None if native.max_error < 0 or native.has_cells else native.max_error
+        found = self._open_native().max_error
+        return None if found < 0 else found
 
     @property
     def graphics_error(self) -> float | None:
         """The same of samples of text and line art, where a residual layer shows these alone; else None."""
-        native = self._open_native()
-        return native.max_error if native.has_cells else None
+        found = self._open_native().graphics_error
+        return None if found < 0 else found
 
     @property
     def has_exact_views(self) -> bool:
