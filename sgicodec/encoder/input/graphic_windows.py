@@ -17,14 +17,18 @@ __all__ = ["with_fewer_colours", "without_cells"]
 
 F32 = NDArray[np.float32]
 
+_MEANT_COLOURS = 64
+"""With no more colours than these each is meant, as the classes of a map; shades of soft edges are more."""
+
 
 def with_fewer_colours(windows: Windows, cells: Cells, counts: ColourCounts, max_error: int) -> tuple[Windows, int]:
     """A picture whose samples in these cells [rows, columns] are off by `max_error` at most, so that there are fewer
-    colours, and by how much they are. Colours whose pixels lie elsewhere than at edges stay: grounds, gradients.
+    colours, and by how much they are. Colours whose pixels lie elsewhere than at edges stay: grounds, gradients. So
+    do all where they are few, as the classes of a map.
     """
     channels = windows.shape.bands
     colours = np.stack([counts.keys >> 16 * (channels - 1 - c) & 0xFFFF for c in range(channels)], axis=1)
-    shown = _merged(colours, counts, max_error)
+    shown = _merged(colours, counts, max_error if len(colours) > _MEANT_COLOURS else 0)
     off = int(np.abs(shown - colours).max(initial=0))
     return (_Merged(windows, cells, counts.keys, shown) if off else windows), off
 

@@ -97,6 +97,17 @@ def test_colours_at_edges_are_merged(max_error: int) -> None:
     assert shades[1] <= shades[0] / (1 + max_error / 4)
 
 
+def test_classes_of_a_map_stay() -> None:
+    """Numbers that lie next to each other, in lines one pixel wide."""
+    numbers = np.repeat(np.random.default_rng(4).integers(0, 60, (SIDE, SIDE // 8)), 8, axis=1).astype(np.uint8)
+    pixels = np.repeat(numbers[..., None] * 4, 3, axis=2)
+    cells = np.ones((12, 12), bool)
+    counts = colour_counts(header_of(pixels), [(pixels, cells)])
+    windows, off = with_fewer_colours(windows_of(picture_of(pixels)), cells, counts, 7)
+    assert off == 0
+    np.testing.assert_array_equal(windows.read(0, 0, SIDE, SIDE).pixels, pixels)
+
+
 def test_cells_are_filled_from_around() -> None:
     pixels = noise()
     pixels[:, SIDE // 2 :] //= 4
