@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Callable
 from pathlib import Path
 
@@ -12,6 +11,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from sgicodec import EncodeSettings, Picture, encode_picture
+from sgicodec.bench.peer import pillow_encode
 from sgicodec.bench.peers import Avif, AvifIq
 from sgicodec.decoder.stream import open_stream
 from sgicodec.device import Device
@@ -60,13 +60,6 @@ def smallest(code: Code, qualities: range, pixels: Pixels, score: float) -> tupl
     return min(found, default=(np.nan, np.nan, np.nan))
 
 
-def webp(pixels: Pixels) -> int:
-    """Bytes of lossless WebP at its slowest."""
-    out = io.BytesIO()
-    Image.fromarray(pixels).save(out, "WEBP", lossless=True, method=6, quality=100, exact=True)
-    return out.tell()
-
-
 @click.command()
 @click.argument("pictures", nargs=-1, required=True, type=click.Path(exists=True))
 @click.option("--score", default=85.0, show_default=True, help="SSIMULACRA 2 that is to be reached.")
@@ -86,7 +79,10 @@ def main(pictures: tuple[str, ...], score: float) -> None:
         logs.append(np.log(found["sgi"][0] / best))
         size, decoded = sgi(pixels, 50)
         row = [f"{bytes_:,.0f} (`-q` {quality:g}: {reached:.1f})" for bytes_, quality, reached in found.values()]
-        row += [f"{100 * np.expm1(logs[-1]):+.1f} %", f"{webp(pixels):,}"]
+        row += [
+            f"{100 * np.expm1(logs[-1]):+.1f} %",
+            f"{len(pillow_encode(pixels, 'WEBP', lossless=True, method=6, quality=100, exact=True)):,}",
+        ]
         row += [f"{size:,} ({ssimulacra2(pixels, decoded):.1f})"]
         click.echo(f"| {Path(path).stem} | " + " | ".join(row) + " |")
     click.echo(f"\nGeometric mean of sgi against AVIF's best: {100 * np.expm1(np.nanmean(logs)):+.1f} %")

@@ -70,6 +70,7 @@ bool code_cells(const ResidualBlock &block, Bits &bits, std::vector<uint8_t> &ce
 
 // Holds what is in no coded cell.
 void hold_others(const ResidualBlock &block, const std::vector<uint8_t> &cells, size_t channels, GridBlock &drawn) {
+  if (!block.form.has_cells) return;
   for (int64_t y = 0, at = 0; y < block.height; ++y)
     for (int64_t x = 0; x < block.width; ++x, at += int64_t(channels))
       if (!cells[size_t(y / kResidualCell * block.cells_across() + x / kResidualCell)])

@@ -74,18 +74,17 @@ class CellSurvey:
         for known, found in zip(self._counts, counts, strict=True):
             known[at] = found
         if len(self._colours) <= _FEW_COLOURS:
-            repeat = pixels_in_cells(counts.novel < _NOVEL * CELL * CELL, pixels.shape)
+            repeat = pixels_in_cells(_repeat(counts.novel), pixels.shape)
             self._colours = np.union1d(self._colours, colour_keys(pixels[repeat & differs]))
 
     @property
     def _are_few(self) -> bool:
-        repeat = self._counts.novel < _NOVEL * CELL * CELL
-        return len(self._colours) <= _FEW_COLOURS and bool(repeat.mean() > _MOST_CELLS)
+        return len(self._colours) <= _FEW_COLOURS and bool(_repeat(self._counts.novel).mean() > _MOST_CELLS)
 
     def graphic(self) -> Cells:
         """Which cells are."""
         novel, edges, weak = self._counts
-        found: Cells = novel < _NOVEL * CELL * CELL
+        found = _repeat(novel)
         if not self._are_few:
             found &= weak <= _MAX_WEAK * CELL * CELL
         found |= (novel < _NOVEL_INSIDE * CELL * CELL) & (_sides(found) >= _SIDES_INSIDE)
@@ -179,8 +178,13 @@ def repeating_cells(pixels: NDArray[Any]) -> Cells:
     for plane in map(np.ascontiguousarray, planes):
         across[:, 1:] |= plane[:, 1:] != plane[:, :-1]
         down[1:] |= plane[1:] != plane[:-1]
-    repeat: Cells = _in_cells(across & down) < _NOVEL * CELL * CELL
-    return repeat
+    return _repeat(_in_cells(across & down))
+
+
+def _repeat(novel: NDArray[np.int_]) -> Cells:
+    """Which cells with so many novel pixels have as few as text."""
+    found: Cells = novel < _NOVEL * CELL * CELL
+    return found
 
 
 def _steps(pixels: NDArray[Any]) -> tuple[NDArray[np.int_], NDArray[np.int_]]:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -30,14 +32,14 @@ def with_fewer_colours(windows: Windows, cells: Cells, counts: ColourCounts, max
     colours = np.stack([counts.keys >> 16 * (channels - 1 - c) & 0xFFFF for c in range(channels)], axis=1)
     shown = _merged(colours, counts, max_error if len(colours) > _MEANT_COLOURS else 0)
     off = int(np.abs(shown - colours).max(initial=0))
-    return (_Merged(windows, cells, counts.keys, shown) if off else windows), off
+    return (_Replaced(windows, cells, partial(_recoloured, counts.keys, shown)) if off else windows), off
 
 
 def without_cells(windows: Windows, cells: Cells, means: F32) -> Windows:
     """A picture whose cells [rows, columns] are filled smoothly from what is around them. means [rows, columns, C]: of
     the samples of each cell.
     """
-    return _Filled(windows, cells, _filled(means, ~cells))
+    return _Replaced(windows, cells, partial(_interpolated, _filled(means, ~cells)))
 
 
 def _merged(colours: NDArray[np.int64], counts: ColourCounts, max_error: int) -> NDArray[np.int64]:
@@ -54,11 +56,15 @@ def _merged(colours: NDArray[np.int64], counts: ColourCounts, max_error: int) ->
     return shown
 
 
-class _View:
-    """A picture whose cells of text and line art look otherwise."""
+class _Replaced:
+    """A picture that shows something else in some cells: shown(pixels, inside, rect) gives the samples [n, C] of the
+    pixels of a window that are inside.
+    """
 
-    def __init__(self, windows: Windows, cells: Cells) -> None:
-        self._windows, self._cells = windows, cells
+    def __init__(
+        self, windows: Windows, cells: Cells, shown: Callable[[NDArray[Any], Cells, Rect], NDArray[Any]]
+    ) -> None:
+        self._windows, self._cells, self._shown = windows, cells, shown
         self.shape, self.page, self.memory, self.digest = windows.shape, windows.page, windows.memory, windows.digest
 
     def read(self, x: int, y: int, width: int, height: int) -> Picture:
@@ -72,41 +78,27 @@ class _View:
         pixels[inside] = self._shown(pixels, inside, rect)
         return replace(picture, pixels=pixels)
 
-    def _shown(self, pixels: NDArray[Any], inside: Cells, rect: Rect) -> NDArray[Any]:
-        """Samples [n, C] of the pixels inside."""
-        raise NotImplementedError
+
+def _recoloured(
+    keys: NDArray[np.int64], shown: NDArray[np.int64], pixels: NDArray[Any], inside: Cells, rect: Rect
+) -> NDArray[Any]:
+    """Of colours `keys`, ascending [n], those that are shown instead [n, C]; others as they are."""
+    given = pixels[inside]
+    wanted = colour_keys(given)
+    places = np.minimum(np.searchsorted(keys, wanted), len(keys) - 1)
+    return np.where((keys[places] == wanted)[:, None], shown[places], given)
 
 
-class _Merged(_View):
-    """With few colours: of `keys`, ascending [n], those that are shown instead [n, C]."""
-
-    def __init__(self, windows: Windows, cells: Cells, keys: NDArray[np.int64], shown: NDArray[np.int64]) -> None:
-        super().__init__(windows, cells)
-        self._keys, self._colours = keys, shown
-
-    def _shown(self, pixels: NDArray[Any], inside: Cells, rect: Rect) -> NDArray[Any]:
-        given = pixels[inside]
-        wanted = colour_keys(given)
-        places = np.minimum(np.searchsorted(self._keys, wanted), len(self._keys) - 1)
-        return np.where((self._keys[places] == wanted)[:, None], self._colours[places], given)
-
-
-class _Filled(_View):
-    """Filled smoothly, between means of cells [rows, columns, C]."""
-
-    def __init__(self, windows: Windows, cells: Cells, means: F32) -> None:
-        super().__init__(windows, cells)
-        self._means = means
-
-    def _shown(self, pixels: NDArray[Any], inside: Cells, rect: Rect) -> NDArray[Any]:
-        y, x = np.nonzero(inside)
-        found = np.zeros((len(y), pixels.shape[2]), np.float32)
-        top, bottom, low = _between(rect[1] + y, CELL, self._means.shape[0])
-        left, right, far = _between(rect[0] + x, CELL, self._means.shape[1])
-        for row, down in ((top, 1 - low), (bottom, low)):
-            for column, across in ((left, 1 - far), (right, far)):
-                found += self._means[row, column] * (down * across)[:, None]
-        return np.rint(found)
+def _interpolated(means: F32, pixels: NDArray[Any], inside: Cells, rect: Rect) -> NDArray[Any]:
+    """What lies between means of cells [rows, columns, C]."""
+    y, x = np.nonzero(inside)
+    found = np.zeros((len(y), pixels.shape[2]), np.float32)
+    top, bottom, low = _between(rect[1] + y, CELL, means.shape[0])
+    left, right, far = _between(rect[0] + x, CELL, means.shape[1])
+    for row, down in ((top, 1 - low), (bottom, low)):
+        for column, across in ((left, 1 - far), (right, far)):
+            found += means[row, column] * (down * across)[:, None]
+    return np.rint(found)
 
 
 def _between(places: NDArray[np.int_], size: int, count: int) -> tuple[NDArray[np.int_], NDArray[np.int_], F32]:
