@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -19,10 +18,10 @@ __all__ = [
     "CellSurvey",
     "Cells",
     "ColourCounts",
+    "ColourSurvey",
     "cell_means",
     "cells_in",
     "cells_shape",
-    "colour_counts",
     "colour_keys",
     "level_of",
     "pixels_in_cells",
@@ -154,21 +153,31 @@ class ColourCounts(NamedTuple):
     at_edges: NDArray[np.int64]
 
 
-def colour_counts(header: Header, blocks: Iterable[tuple[NDArray[Any], Cells]]) -> ColourCounts:
-    """Those of cells [rows, columns] of blocks [h, w, C]."""
-    least = _EDGE * level_of(header)
-    pixels: Counter[int] = Counter()
-    at_edges: Counter[int] = Counter()
-    for block, cells in blocks:
-        inside = pixels_in_cells(cells, block.shape)
-        keys = colour_keys(block[inside])
-        for counter, some in ((pixels, keys), (at_edges, keys[_beside_edges(block, least)[inside]])):
+class ColourSurvey:
+    """The colours of cells of a picture, block by block."""
+
+    def __init__(self, header: Header) -> None:
+        self._least = _EDGE * level_of(header)
+        self._pixels: Counter[int] = Counter()
+        self._at_edges: Counter[int] = Counter()
+
+    def see(self, pixels: NDArray[Any], cells: Cells) -> None:
+        """A block [h, w, C] and those of its cells [rows, columns] that count."""
+        if not cells.any():
+            return
+        inside = pixels_in_cells(cells, pixels.shape)
+        keys = colour_keys(pixels[inside])
+        at_edges = keys[_beside_edges(pixels, self._least)[inside]]
+        for counter, some in ((self._pixels, keys), (self._at_edges, at_edges)):
             found, times = np.unique(some, return_counts=True)
             counter.update(dict(zip(found.tolist(), times.tolist(), strict=True)))
-    known = sorted(pixels)
-    return ColourCounts(
-        *(np.array(some, np.int64) for some in (known, *([c[k] for k in known] for c in (pixels, at_edges))))
-    )
+
+    @property
+    def counts(self) -> ColourCounts:
+        """How often each was seen."""
+        known = sorted(self._pixels)
+        seen = ([counter[key] for key in known] for counter in (self._pixels, self._at_edges))
+        return ColourCounts(*(np.array(some, np.int64) for some in (known, *seen)))
 
 
 def repeating_cells(pixels: NDArray[Any]) -> Cells:

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from sgicodec.bitstream.header import Header
-from sgicodec.encoder.graphic_cells import CellSurvey, cell_means, cells_in, colour_counts, level_of, repeating_cells
+from sgicodec.encoder.graphic_cells import CellSurvey, ColourSurvey, cell_means, cells_in, level_of, repeating_cells
 from sgicodec.encoder.input.graphic_windows import with_fewer_colours, without_cells
 from sgicodec.encoder.input.windows import Windows
 from sgicodec.encoder.plan import Plan
@@ -82,11 +82,14 @@ def _divided(windows: Windows, plan: Plan, rects: Sequence[Rect]) -> Division:
     above = plan.settings.chosen_quality - 50
     off = _ERROR * 2 ** (-above / _ERROR_HALVING) - 1
     max_error = int(min(_MAX_ERROR, max(0.0, off)) * level_of(header))
-    having = [rect for rect in rects if cells[cells_in(rect)].any()]
-    colours = colour_counts(header, ((windows.read(*rect).pixels, cells[cells_in(rect)]) for rect in having))
-    shown, max_error = with_fewer_colours(windows, cells, colours, max_error)
+    colours, means = ColourSurvey(header), np.zeros((*cells.shape, header.spec.channels), np.float32)
+    for rect in rects:
+        pixels = windows.read(*rect).pixels
+        colours.see(pixels, cells[cells_in(rect)])
+        means[cells_in(rect)] = cell_means(pixels)
+    shown, max_error = with_fewer_colours(windows, cells, colours.counts, max_error)
     layer = Layer(shown, max_error, exact_views=True, cells=cells, is_off=True)
-    judged = _some(having)
+    judged = _some([rect for rect in rects if cells[cells_in(rect)].any()])
     among = np.zeros_like(cells)
     for rect in judged:
         among[cells_in(rect)] = cells[cells_in(rect)]
@@ -95,9 +98,6 @@ def _divided(windows: Windows, plan: Plan, rects: Sequence[Rect]) -> Division:
     if cells.all():
         plan = replace(plan, settings=replace(plan.settings, max_error=max_error))
         return Division(windows, _above_nothing(plan), replace(layer, cells=None))
-    means = np.zeros((*cells.shape, header.spec.channels), np.float32)
-    for rect in rects:
-        means[cells_in(rect)] = cell_means(windows.read(*rect).pixels)
     return Division(without_cells(windows, cells, means), plan, layer)
 
 

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from sgicodec import EncodeSettings, Picture
 from sgicodec.bitstream.header import Header
-from sgicodec.encoder.graphic_cells import CELL, CellSurvey, cell_means, colour_counts
+from sgicodec.encoder.graphic_cells import CELL, CellSurvey, ColourCounts, ColourSurvey, cell_means
 from sgicodec.encoder.input.graphic_windows import with_fewer_colours, without_cells
 from sgicodec.encoder.input.windows import windows_of
 from sgicodec.encoder.plan import Shape, stream_plan
@@ -44,6 +44,12 @@ def found_in(pixels: NDArray[np.uint8]) -> NDArray[np.bool_]:
     survey = CellSurvey(header_of(pixels))
     survey.see((0, 0, SIDE, SIDE), pixels)
     return survey.graphic()
+
+
+def counted(pixels: NDArray[np.uint8], cells: NDArray[np.bool_]) -> ColourCounts:
+    survey = ColourSurvey(header_of(pixels))
+    survey.see(pixels, cells)
+    return survey.counts
 
 
 def test_text_is_found_and_noise_is_not() -> None:
@@ -86,7 +92,7 @@ def test_colours_at_edges_are_merged(max_error: int) -> None:
     pixels = bars()
     pixels[: 4 * CELL, HALF[1]] = np.where(pixels[: 4 * CELL, HALF[1]] == 250, 246, pixels[: 4 * CELL, HALF[1]])
     cells = np.ones((12, 12), bool)
-    counts = colour_counts(header_of(pixels), [(pixels, cells)])
+    counts = counted(pixels, cells)
     windows, off = with_fewer_colours(windows_of(picture_of(pixels)), cells, counts, max_error)
     found = windows.read(0, 0, SIDE, SIDE).pixels
     assert np.abs(found.astype(int) - pixels).max() == off <= max_error
@@ -102,7 +108,7 @@ def test_classes_of_a_map_stay() -> None:
     numbers = np.repeat(np.random.default_rng(4).integers(0, 60, (SIDE, SIDE // 8)), 8, axis=1).astype(np.uint8)
     pixels = np.repeat(numbers[..., None] * 4, 3, axis=2)
     cells = np.ones((12, 12), bool)
-    counts = colour_counts(header_of(pixels), [(pixels, cells)])
+    counts = counted(pixels, cells)
     windows, off = with_fewer_colours(windows_of(picture_of(pixels)), cells, counts, 7)
     assert off == 0
     np.testing.assert_array_equal(windows.read(0, 0, SIDE, SIDE).pixels, pixels)
