@@ -7,12 +7,15 @@ from pathlib import Path
 
 import numpy as np
 from click.testing import Result
+from surgery import join, split
 
 from sgicodec import EncodeSettings, Picture, encode_picture
 from sgicodec.bitstream.container import SIGNATURE
 from sgicodec.decoder.stream import open_stream
 
 Run = Callable[..., Result]
+
+GOLDEN = Path(__file__).parents[2] / "conformance" / "golden"
 
 
 def test_sound(sgi: Run, stream: Path) -> None:
@@ -34,13 +37,26 @@ def test_every_flipped_byte_is_found(sgi: Run, stream: Path) -> None:
 
 def test_a_residual_layer_is_verified(sgi: Run, tmp_path: Path) -> None:
     """All of it but its first fields: N may be another number, with samples that are as they were."""
-    golden = Path(__file__).parents[2] / "conformance" / "golden" / "gray16-lossless-blocks.sgi"
+    golden = GOLDEN / "gray16-lossless-blocks.sgi"
     whole, path = golden.read_bytes(), tmp_path / "a.sgi"
     path.write_bytes(whole)
     assert sgi("verify", path).exit_code == 0
     for at in range(140, len(whole), len(whole) // 80):
         path.write_bytes(whole[:at] + bytes([whole[at] ^ 0x10]) + whole[at + 1 :])
         assert sgi("verify", path).exit_code == 4, at
+
+
+def test_a_layer_of_text_alone_is_verified(sgi: Run, tmp_path: Path) -> None:
+    data = (GOLDEN / "rgb8-mixed.sgi").read_bytes()
+    parts = split(data)
+    layer = bytearray(dict(parts)["r"])
+    layer[-40] ^= 0x10
+    damaged = tmp_path / "mixed.sgi"
+    damaged.write_bytes(join([(kind, bytes(layer) if kind == "r" else payload) for kind, payload in parts]))
+    assert sgi("verify", GOLDEN / "rgb8-mixed.sgi").exit_code == 0
+    result = sgi("verify", damaged)
+    assert (result.exit_code, result.stderr.count("\n")) == (4, 1)
+    assert "residual layer" in result.stderr
 
 
 def test_an_overview_is_verified(sgi: Run, tmp_path: Path) -> None:
