@@ -17,7 +17,7 @@ INPUTS := pyproject.toml constraints.txt CMakeLists.txt $(shell find native cuda
   $(shell find sgicodec/bitstream -name '*.bin')
 
 .DEFAULT_GOAL := help
-.PHONY: viewer test-viewer help setup setup-dev demo test test-all asan asan-kernels fuzz bench lint format stubs wheel release clean
+.PHONY: viewer test-viewer help setup setup-dev demo test test-all asan asan-kernels fuzz bench lint format wheel release clean
 
 help:
 	@echo "make demo       encode and decode a bundled photograph and measure the difference"
@@ -28,7 +28,6 @@ help:
 	@echo "make asan       compile with AddressSanitizer and UBSan, run tests and fuzz with all instruction sets"
 	@echo "make asan-kernels  the same of the GPU's kernels alone, in a minute"
 	@echo "make lint       check with ruff, mypy and clang-format"
-	@echo "make stubs      write sgicodec/_native.pyi, the types of the extension, anew"
 	@echo "make format     let ruff format"
 	@echo "make bench      measure against JPEG, WebP, JPEG XL and AVIF: make bench PICTURES=DIR OUT=DIR"
 	@echo "make setup      install into $(VENV) what demo and bench need; make setup-dev: what tests and lint need"
@@ -112,9 +111,6 @@ lint: setup-dev
 	$(BIN)/mypy
 	$(BIN)/clang-format --dry-run -Werror $(CXX_FILES)
 
-stubs: setup-dev
-	$(BIN)/python -m nanobind.stubgen -q --exclude-values -m sgicodec._native -o sgicodec/_native.pyi
-
 format: setup-dev
 	$(BIN)/ruff check --fix .
 	$(BIN)/ruff format .
@@ -136,7 +132,7 @@ release:
 	packaging/release.sh $(PYTHONS)
 
 clean:
-	rm -rf $(VENV) build dist viewer/src/wasm viewer/node_modules demo-out bench-out fuzz-out .pytest_cache .hypothesis .mypy_cache .ruff_cache
+	rm -rf $(VENV) build dist sgicodec/_native.pyi viewer/src/wasm viewer/node_modules demo-out bench-out fuzz-out .pytest_cache .hypothesis .mypy_cache .ruff_cache
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
 
 # The viewer's decoder: libsgi as WebAssembly, with vectors and, for browsers without them, with scalars.

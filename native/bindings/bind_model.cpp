@@ -8,7 +8,6 @@
 #include "bindings/checks.hpp"
 #include "model/cell_sums.hpp"
 #include "model/colours.hpp"
-#include "model/neighbours.hpp"
 #include "model/seed_gaussians.hpp"
 
 namespace nb = nanobind;
@@ -58,19 +57,6 @@ auto from_luma_space(int channels) {
   return sgi::as_array<double>(sgi::from_luma_space(channels), std::array{size_t(channels), size_t(channels)});
 }
 
-void nearest_among(Array<const int32_t, 2> points, Array<const int64_t, 1> among, Array<const int64_t, 1> members,
-                   Array<int32_t, 2> out, int threads, const std::string &isa) {
-  const auto all = int64_t(points.shape(0));
-  require(points.shape(1) == 2 && out.shape(0) == members.shape(0) && out.shape(1) > 0,
-          "points [N, 2], among [n], members [m], out [m, k]");
-  for (const Array<const int64_t, 1> &indices : {among, members})
-    for (size_t i = 0; i < indices.shape(0); ++i)
-      require(indices.data()[i] >= 0 && indices.data()[i] < all, "among and members must be indices of points");
-  nb::gil_scoped_release release;
-  sgi::nearest_among(points.data(), among.data(), int64_t(among.shape(0)), members.data(), int64_t(members.shape(0)),
-                     int(out.shape(1)), threads, sgi::choose_isa(isa), out.data());
-}
-
 void seed_gaussians(Array<const double, 2> values, Array<const int32_t, 2> half_pixels, Array<const int8_t, 1> log_size,
                     Array<const float, 2> opponent, int threads, const std::string &isa, Array<float, 2> means,
                     Array<float, 2> covariances, Array<float, 2> colours) {
@@ -93,7 +79,6 @@ void bind_model(nb::module_ &m) {
   m.def("cell_sums", &cell_sums, "detail"_a, "weights"_a.none(), "root_log"_a, "threads"_a,
         "Sums over cells of 2 pixels that fill whole roots: values [C, rows, columns], squares and weights.");
   m.def("from_luma_space", &from_luma_space, "channels"_a, "[C, C]; takes samples of luma space to red, green, blue.");
-  m.def("nearest_among", &nearest_among, "points"_a, "among"_a, "members"_a, "out"_a, "threads"_a, "isa"_a);
   m.def("seed_gaussians", &seed_gaussians, "values"_a, "half_pixels"_a, "log_size"_a, "opponent"_a, "threads"_a,
         "isa"_a, "means"_a, "covariances"_a, "colours"_a);
   m.def("evaluate_network", &evaluate_network, "w1"_a, "b1"_a, "w2"_a, "b2"_a, "shift"_a, "predicted"_a, "inputs"_a,

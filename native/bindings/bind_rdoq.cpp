@@ -46,8 +46,8 @@ auto search_seeds(const nb::bytes &header, Array<const int32_t, 2> corner, Array
   const sgi::SeedCoding coding(header, corner, log_size, plan, networks, isa);
   const sgi::ModelSpec &spec = coding.header.spec;
   const size_t n = log_size.shape(0), d = size_t(spec.attributes()), channels = size_t(spec.channels);
-  require(spec.is_plain() && spec.context.hash_resolutions.empty() && channels <= size_t(sgi::kMaxColours),
-          "seeds must hold their Gaussians, of 64 channels at most, without a hash grid");
+  require(spec.is_plain() && channels <= size_t(sgi::kMaxColours),
+          "seeds must hold their Gaussians, of 64 channels at most");
   require(has_shape(values, n, d) && has_shape(opponent, channels, channels), "values [N, C + 5], opponent [C, C]");
   require_tables(support, start, bits);
   require(support.shape(0) == size_t(sgi::kTables), "there must be a table for every scale and family");
@@ -82,14 +82,12 @@ void prune_gaussians(Array<float, 3> residual, Weights weights, Array<const floa
   sgi::prune_gaussians(r, gaussians, cutoff, threads, sgi::choose_isa(isa), pruned.data());
 }
 
-int64_t search_base(Array<int64_t, 3> planes, Array<const int32_t, 1> predictor, Array<const int32_t, 2> weights,
-                    Array<const int32_t, 1> table, Array<const int32_t, 1> support, Array<const int64_t, 1> start,
-                    Array<const double, 1> bits, Array<const double, 2> down, Array<const double, 2> across,
-                    std::optional<Array<const double, 4>> gram, Array<double, 3> pull, double step, double lmbda,
-                    int passes) {
+int64_t search_base(Array<int64_t, 3> planes, Array<const int32_t, 1> table, Array<const int32_t, 1> support,
+                    Array<const int64_t, 1> start, Array<const double, 1> bits, Array<const double, 2> down,
+                    Array<const double, 2> across, std::optional<Array<const double, 4>> gram, Array<double, 3> pull,
+                    double step, double lmbda, int passes) {
   const size_t channels = planes.shape(0), rows = planes.shape(1), columns = planes.shape(2);
-  require(predictor.shape(0) == channels && has_shape(weights, channels, channels) && table.shape(0) == channels,
-          "predictor [C], weights [C, C], table [C]");
+  require(table.shape(0) == channels, "table must be [C]");
   require(has_shape(down, rows, rows) && has_shape(across, columns, columns) && pull.shape(0) == channels &&
               pull.shape(1) == rows && pull.shape(2) == columns,
           "down [rows, rows], across [columns, columns], pull [C, rows, columns]");
@@ -100,8 +98,7 @@ int64_t search_base(Array<int64_t, 3> planes, Array<const int32_t, 1> predictor,
   for (size_t c = 0; c < channels; ++c)
     require(table.data()[c] >= 0 && size_t(table.data()[c]) < support.shape(0), "a table does not exist");
   const sgi::SymbolBits tables{support.data(), start.data(), bits.data(), 0};
-  const sgi::BasePlanes base{planes.data(),    int64_t(channels), int64_t(rows), int64_t(columns),
-                             predictor.data(), weights.data(),    table.data(),  tables};
+  const sgi::BasePlanes base{planes.data(), int64_t(channels), int64_t(rows), int64_t(columns), table.data(), tables};
   nb::gil_scoped_release release;
   return sgi::search_base(base, {down.data(), across.data(), gram ? gram->data() : nullptr, pull.data(), step}, lmbda,
                           passes);
@@ -118,6 +115,6 @@ void bind_rdoq(nb::module_ &m) {
         "what they leave.");
   m.def("prune_gaussians", &prune_gaussians, "residual"_a, "weights"_a, "means"_a, "covariances"_a, "colours"_a,
         "price"_a, "cutoff"_a, "threads"_a, "isa"_a, "pruned"_a);
-  m.def("search_base", &search_base, "planes"_a, "predictor"_a, "weights"_a, "table"_a, "support"_a, "start"_a,
-        "bits"_a, "down"_a, "across"_a, "gram"_a, "pull"_a, "step"_a, "lmbda"_a, "passes"_a);
+  m.def("search_base", &search_base, "planes"_a, "table"_a, "support"_a, "start"_a, "bits"_a, "down"_a, "across"_a,
+        "gram"_a, "pull"_a, "step"_a, "lmbda"_a, "passes"_a);
 }

@@ -8,11 +8,9 @@
 
 #include "bindings/arrays.hpp"
 #include "bindings/bindings.hpp"
-#include "bindings/python_source.hpp"
 #include "bitstream/chunk_kinds.hpp"
 #include "bitstream/container.hpp"
 #include "bitstream/shipped.hpp"
-#include "bitstream/stream_summary.hpp"
 #include "model/tile_grid.hpp"
 
 namespace nb = nanobind;
@@ -41,24 +39,6 @@ nb::list segments(int64_t length, int64_t count, int64_t apron, double start, do
   return found;
 }
 
-nb::dict blobs_of(const std::map<char, std::vector<uint8_t>> &held) {
-  nb::dict blobs;
-  for (const auto &[kind, payload] : held) blobs[nb::str(&kind, 1)] = as_bytes({payload.data(), payload.size()});
-  return blobs;
-}
-
-nb::dict chunk_bytes_of(const std::map<std::string, int64_t> &chunk_bytes) {
-  nb::dict found;
-  for (const auto &[kind, bytes] : chunk_bytes) found[kind.c_str()] = bytes;
-  return found;
-}
-
-nb::tuple summarize(nb::object source) {
-  const sgi::StreamSummary found = sgi::summarize(sgi::python_source(std::move(source)));
-  return nb::make_tuple(blobs_of(found.blobs), chunk_bytes_of(found.chunk_bytes), found.size, found.max_error,
-                        found.has_exact_views, found.has_cells);
-}
-
 }  // namespace
 
 void bind_stream_reader(nb::module_ &m) {
@@ -68,8 +48,6 @@ void bind_stream_reader(nb::module_ &m) {
   m.attr("CHUNK_KINDS") = nb::tuple(kinds);
   m.attr("MAX_PAYLOAD") = sgi::kMaxPayload;
   m.attr("SIGNATURE") = nb::bytes(sgi::kSignature, sgi::kSignatureBytes);
-  m.def("summarize", &summarize, "source"_a,
-        "Of a stream's start: payloads by letter, bytes of all chunks by letter, and of the file. No tile is read.");
   m.def(
       "shipped", [](const std::string &kind, int number) { return as_bytes(shipped(kind, number)); }, "kind"_a,
       "number"_a, "Tables, positions, prior or texture, or the restoration of this number, empty where there is none.");

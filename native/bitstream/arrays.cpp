@@ -1,5 +1,6 @@
 #include "bitstream/arrays.hpp"
 
+#include <cstdlib>
 #include <string>
 
 #include "base/error.hpp"
@@ -9,14 +10,7 @@
 namespace sgi {
 namespace {
 
-constexpr int kPredictorBits = 2, kWeightBits = 4, kProbabilityBits = 8;
-
-// Channels whose errors predict those of `channel`.
-std::vector<size_t> base_references(size_t channel) {
-  if (channel == 0) return {};
-  if (channel == 1) return {0};
-  return {0, channel - 1};
-}
+constexpr int kProbabilityBits = 8;
 
 }  // namespace
 
@@ -42,25 +36,20 @@ std::vector<uint8_t> read_signs(SymbolReader &reader, const std::vector<int64_t>
 }
 
 std::vector<int64_t> read_base(SymbolReader &reader, int channels, int64_t rows, int64_t columns) {
-  const auto size = size_t(rows * columns);
-  std::vector<std::vector<int64_t>> errors;
   std::vector<int64_t> base;
-  base.reserve(size_t(channels) * size);
-  for (size_t channel = 0; channel < size_t(channels); ++channel) {
-    const std::vector<size_t> references = base_references(channel);
-    const int predictor = reader.number(kPredictorBits);
-    const std::vector<int32_t> codes = reader.values(kWeightBits, int64_t(references.size()));
-    const int table = reader.number(kTableBits);
-    const std::vector<int32_t> rest = reader.zero_centred(table, int64_t(size));
-    std::vector<int64_t> error(size, 4);
-    for (size_t r = 0; r < references.size(); ++r)
-      for (size_t i = 0; i < size; ++i) error[i] += (codes[r] - 8) * errors[references[r]][i];
-    for (size_t i = 0; i < size; ++i) error[i] = rest[i] + (error[i] >> 3);
-    base.insert(base.end(), error.begin(), error.end());
-    if (!add_predictions(base.data() + channel * size, rows, columns, predictor, kMaxMagnitude))
-      throw Error(Fault::corrupt,
-                  "base layer: a value exceeds ±" + std::to_string(kMaxMagnitude) + "; the stream is damaged");
-    errors.push_back(std::move(error));
+  base.reserve(size_t(channels * rows * columns));
+  for (int channel = 0; channel < channels; ++channel) {
+    const std::vector<int64_t> errors = read_weights(reader, rows * columns);
+    base.insert(base.end(), errors.begin(), errors.end());
+    int64_t *const plane = base.data() + channel * rows * columns;
+    for (int64_t y = 0; y < rows; ++y)
+      for (int64_t x = 0; x < columns; ++x) {
+        int64_t &value = plane[y * columns + x];
+        value += base_prediction(plane, columns, x, y);
+        if (std::abs(value) > kMaxMagnitude)
+          throw Error(Fault::corrupt,
+                      "base layer: a value exceeds ±" + std::to_string(kMaxMagnitude) + "; the stream is damaged");
+      }
   }
   return base;
 }

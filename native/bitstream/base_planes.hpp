@@ -1,15 +1,15 @@
-// The base layer's planes from their prediction errors (docs/format.md, "Base layer").
+// How values of the base layer's planes are predicted (docs/format.md, "Base layer").
 #pragma once
 #include <cstdint>
 
 namespace sgi {
 
-// The prediction 0..3 of element (x, y) of a plane of `columns` columns, from those to the left, above, and above to
-// the left; at an edge the one that is there stands for all.
-int64_t base_prediction(const int64_t *plane, int64_t columns, int64_t x, int64_t y, int predictor);
-
-// Adds to every element of plane [rows, columns] its prediction. Stops at the first value beyond +-most and returns
-// false.
-bool add_predictions(int64_t *plane, int64_t rows, int64_t columns, int predictor, int64_t most);
+// The prediction of element (x, y) of a plane of `columns` columns: the mean of those to the left and above; at an edge
+// the one that is there stands for both.
+inline int64_t base_prediction(const int64_t *plane, int64_t columns, int64_t x, int64_t y) {
+  const int64_t *at = plane + y * columns + x;
+  const int64_t west = x ? at[-1] : y ? at[-columns] : 0, north = y ? at[-columns] : west;
+  return (west + north) >> 1;
+}
 
 }  // namespace sgi

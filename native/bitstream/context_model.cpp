@@ -54,7 +54,7 @@ AttributeModel attribute_model(const ModelSpec &spec, const std::vector<GroupSte
                                int quality, int family, Isa isa) {
   AttributeModel model;
   model.attributes = spec.attributes(), model.channels = spec.channels;
-  model.colour = 0, model.shape = spec.skip ? spec.channels : 0;
+  model.colour = 0, model.shape = spec.is_plain() ? spec.channels : 0;
   model.quality = quality, model.ranks = spec.context.neighbours, model.first_table = int16_t(kFamilySize * family);
   model.isa = isa;
   auto steps_of = plan.begin();

@@ -163,8 +163,11 @@ class FieldWriter {
 };
 
 void check_model(const ModelSpec &spec) {
-  const bool other_seeds = spec.skip && (spec.per_seed != 1 || spec.features < spec.channels + 3);
-  if (other_seeds || (spec.context.neighbours && !spec.skip)) corrupt("settings that contradict each other");
+  const ContextSpec &context = spec.context;
+  const bool is_one = spec.per_seed == 1 && spec.features == spec.channels + 3;
+  const bool holds_gaussian = is_one && !spec.hidden && context.hash_resolutions.empty();
+  const bool holds_features = spec.hidden && !context.neighbours;
+  if (!(spec.is_plain() ? holds_gaussian : holds_features)) corrupt("settings that contradict each other");
 }
 
 void check_layout(const Header &header) {

@@ -8,7 +8,7 @@
 
 namespace sgi {
 
-constexpr int kFormatVersion = 7;  // the only one that is written and read, until 1.0
+constexpr int kFormatVersion = 8;  // the only one that is written and read, until 1.0
 constexpr int64_t kMaxFeatures = 1 << 13, kMaxHidden = 1 << 12, kMaxHashLevels = 32, kMaxHashResolution = 1 << 14;
 
 // Names of the values of enumerations; nullptr for none.
@@ -16,22 +16,19 @@ constexpr const char *kLayoutNames[] = {"multi", "gray", "gray+alpha", "rgb", "r
 constexpr const char *kSampleNames[] = {"uint8", "uint16", "float32"};
 constexpr const char *kProfileNames[] = {"default", "paper"};
 constexpr const char *kSeedLayoutNames[] = {"adaptive", "uniform"};
-constexpr const char *kShapeNames[] = {"log", "rotation"};
 constexpr const char *kMaskedNames[] = {nullptr, "transparent", "nodata"};
 
 // Bits of the flags that say which fields follow, and which pixels tiles may mask.
-constexpr int64_t kTiled = 4, kTransparent = 8, kNodata = 16, kRanges = 256, kAllFlags = 2047;
+constexpr int64_t kTiled = 1, kTransparent = 2, kNodata = 4, kRanges = 64, kAllFlags = 511;
 
 // The flags that are members: `visit` takes the bit, the name and the member.
 template <class Visit>
 void visit_flags(Header &header, const Visit &visit) {
-  visit(1, "spec.skip", header.spec.skip);
-  visit(2, "spec.seed_scales", header.spec.seed_scales);
-  visit(32, "spec.texture", header.spec.texture);
-  visit(64, "spec.luma_space", header.spec.luma_space);
-  visit(128, "spec.restoration", header.spec.restoration);
-  visit(512, "has_band_masks", header.has_band_masks);
-  visit(1024, "has_exact", header.has_exact);
+  visit(8, "spec.texture", header.spec.texture);
+  visit(16, "spec.luma_space", header.spec.luma_space);
+  visit(32, "spec.restoration", header.spec.restoration);
+  visit(128, "has_band_masks", header.has_band_masks);
+  visit(256, "has_exact", header.has_exact);
 }
 
 // Names are paths of members, the same in Python. A visitor has
@@ -52,7 +49,6 @@ void visit_fields(Header &header, Visitor &visit) {
   visit.choice("sample_type", "the sample type", header.sample_type, kSampleNames);
   visit.choice("profile", "the profile", header.profile, kProfileNames);
   visit.choice("spec.layout", "the seed layout", spec.layout, kSeedLayoutNames);
-  visit.choice("spec.shape", "the shape", spec.shape, kShapeNames);
   const int64_t flags = visit.flags(header);
   visit.number("spec.per_seed", "K", spec.per_seed, 1, 64);
   visit.number("spec.features", "D", spec.features, 1, kMaxFeatures);

@@ -127,13 +127,10 @@ bool code_block(const ResidualBlock &block, Isa isa, Bits &bits, ResidualSamples
 
 }  // namespace
 
-int64_t longest_residual_form(const Header &header) {
-  const int64_t palette = kMaxVarintBytes + int64_t(kMaxColours) * header.spec.channels * kMaxVarintBytes;
-  return sizeof(double) + 1 + header.spec.channels * int64_t(2 * (sizeof(double) + kMaxVarintBytes)) + palette;
-}
-
 int64_t longest_residual_table(const Header &header) {
-  return longest_residual_form(header) + count_of(header) * int64_t(kMaxVarintBytes + kCrcBytes);
+  const int64_t palette = kMaxVarintBytes + int64_t(kMaxColours) * header.spec.channels * kMaxVarintBytes;
+  const int64_t grids = header.spec.channels * int64_t(2 * (sizeof(double) + kMaxVarintBytes));
+  return sizeof(double) + 1 + grids + palette + count_of(header) * int64_t(kMaxVarintBytes + kCrcBytes);
 }
 
 ResidualForm read_residual_form(const Header &header, Bytes start, size_t &at) {

@@ -5,7 +5,6 @@
 namespace sgi {
 
 enum class SeedLayoutKind { adaptive, uniform };
-enum class ShapeKind { log_covariance, rotation };
 enum class GroupName { colour, shape, feature, scales, offset };
 
 // Attributes of a seed that are coded together: columns [start, start + size) of the attribute matrix.
@@ -26,21 +25,20 @@ struct ContextSpec {
 // The architecture, field by field as in docs/format.md, "Header fields".
 struct ModelSpec {
   int channels = 1;
-  SeedLayoutKind layout = SeedLayoutKind::adaptive;
-  ShapeKind shape = ShapeKind::log_covariance;
-  int per_seed = 1;  // K
-  int features = 4;  // D
-  int hidden = 0;    // of MLP_c and MLP_Sigma; 0: there are none
-  bool skip = true, seed_scales = false;
-  int base_cell = 0;  // pixels; 0: no base layer
+  SeedLayoutKind layout = SeedLayoutKind::adaptive;  // and what seeds hold, see is_plain()
+  int per_seed = 1;                                  // K
+  int features = 4;                                  // D
+  int hidden = 0;                                    // of MLP_c and MLP_Sigma; 0: there are none
+  int base_cell = 0;                                 // pixels; 0: no base layer
   ContextSpec context;
   bool texture = false, luma_space = false, restoration = false;
 
   // In coding order; their sizes sum to `attributes`.
   std::vector<SeedGroup> groups() const;
   int attributes() const;
-  // Whether seeds hold their Gaussians as they are: colours, log-covariances, offsets; no decoders, no scales.
-  bool is_plain() const;
+  // Whether seeds hold their Gaussians as they are: colours, log-covariances, offsets. Others hold features, of which
+  // decoders make colours and rotations, scales and offsets.
+  bool is_plain() const { return layout == SeedLayoutKind::adaptive; }
 };
 
 }  // namespace sgi

@@ -15,7 +15,7 @@ constexpr int kPaperOffset = kStepZero - 14;
 std::vector<std::vector<SeedGroup>> coding_steps(const ModelSpec &spec) {
   std::vector<std::vector<SeedGroup>> steps;
   for (const SeedGroup &group : spec.groups()) {
-    if (steps.empty() || spec.skip) steps.emplace_back();
+    if (steps.empty() || spec.is_plain()) steps.emplace_back();
     steps.back().push_back(group);
   }
   return steps;
@@ -28,7 +28,7 @@ int input_count(const ModelSpec &spec, int step) {
 }
 
 int output_count(const ModelSpec &spec, const SeedGroup &group) {
-  if (!spec.skip) return group.size;
+  if (!spec.is_plain()) return group.size;
   if (group.name == GroupName::colour || group.name == GroupName::shape) return 3;
   return group.name == GroupName::offset ? 2 : group.size;
 }
@@ -37,7 +37,7 @@ std::vector<int64_t> output_columns(const ModelSpec &spec, const SeedGroup &grou
   const int predictions = output_count(spec, group);
   std::vector<int64_t> columns;
   for (int j = 0; j < group.size; ++j) {
-    if (spec.skip && group.name == GroupName::colour) {
+    if (spec.is_plain() && group.name == GroupName::colour) {
       const int channel = j % spec.channels;
       columns.push_back(spec.channels >= 3 && channel < 3 ? channel : 0);
     } else {
@@ -59,7 +59,7 @@ std::vector<int64_t> default_steps(const ModelSpec &spec, const SeedGroup &group
     for (int level = 0; level < kLevels; ++level) {
       const int over = group.name == GroupName::colour ? 0 : kShapeOverColour;
       const int fixed = group.name == GroupName::offset ? kPaperOffset : kStepZero;
-      const int index = spec.skip ? quality + over - kPerOctave * (level - 3) : fixed;
+      const int index = spec.is_plain() ? quality + over - kPerOctave * (level - 3) : fixed;
       steps.push_back(std::clamp(index, 0, kStepCount - 1));
     }
   return steps;

@@ -21,7 +21,7 @@ int network_outputs(const ModelSpec &spec, const std::vector<SeedGroup> &groups)
 
 // Whether a group's steps follow the amplitude.
 inline bool follows_amplitude(const ModelSpec &spec, const SeedGroup &group) {
-  return spec.skip && group.name != GroupName::colour;
+  return spec.is_plain() && group.name != GroupName::colour;
 }
 // Indices [output_count, kLevels] of the base steps, before what the stream adds.
 std::vector<int64_t> default_steps(const ModelSpec &spec, const SeedGroup &group, int quality);

@@ -10,10 +10,8 @@ namespace sgi {
 struct BasePlanes {
   int64_t *values;
   int64_t channels, rows, columns;
-  const int32_t *predictor;  // [C]
-  const int32_t *weights;    // [C, C] of the errors of earlier channels, eighths
-  const int32_t *table;      // [C]
-  SymbolBits tables;         // `first` is 0
+  const int32_t *table;  // [C]
+  SymbolBits tables;     // `first` is 0
 };
 
 constexpr int64_t kBaseReach = 3;  // cells farther apart share no pixel
@@ -35,7 +33,7 @@ struct BaseFootprint {
 };
 
 // Goes through all elements `passes` times and moves each by one step, or to where the error is least, whichever lowers
-// squared error plus `lmbda` per bit most; predictors, weights and tables stay. Returns how many moves it made.
+// squared error plus `lmbda` per bit most; tables stay. Returns how many moves it made.
 int64_t search_base(const BasePlanes &planes, const BaseFootprint &footprint, double lmbda, int passes);
 
 }  // namespace sgi

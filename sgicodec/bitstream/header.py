@@ -105,5 +105,5 @@ def _spec(fields: dict[str, Any], context: dict[str, Any]) -> ModelSpec:
     """The specification with the coding steps, which follow from its groups."""
     spec = ModelSpec(**fields, context=ContextSpec(**context, steps=()))
     names = tuple(group.name for group in spec.groups)
-    steps = tuple((name,) for name in names) if spec.skip else (names,)
+    steps = tuple((name,) for name in names) if spec.plain else (names,)
     return replace(spec, context=replace(spec.context, steps=steps))

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import contextlib
-import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -13,12 +11,11 @@ from sgicodec.cli.files import each_file
 from sgicodec.cli.json_output import print_json
 from sgicodec.cli.options import complete_files, json_option
 from sgicodec.cli.parts import all_parts, chunk_parts, metadata_bytes, print_parts, whole_bytes
-from sgicodec.cli.paths import STANDARD, display, naming_stream, opened_file, opened_stream
+from sgicodec.cli.paths import display, opened_stream
 from sgicodec.metadata.layouts import range_text
 
 if TYPE_CHECKING:
     from sgicodec.bitstream.header import Header
-    from sgicodec.bitstream.stream_summary import StreamSummary
     from sgicodec.decoder.stream import Stream
     from sgicodec.decoder.survey import Survey
 
@@ -47,33 +44,20 @@ def info(sources: tuple[str, ...], survey: bool, as_json: bool) -> None:
     each_file(sources, show)
 
 
-@contextlib.contextmanager
-def _opened(source: str, survey: bool) -> Iterator[tuple[StreamSummary | Stream, Survey | None]]:
-    """What the header says, and all the rest if it is asked for."""
-    if survey:
-        with opened_stream(source) as stream:
-            yield stream, stream.survey()
-        return
-    from sgicodec.bitstream.stream_summary import StreamSummary
-
-    with naming_stream(source), contextlib.ExitStack() as stack:
-        file = sys.stdin.buffer if source == STANDARD else stack.enter_context(opened_file(source))
-        yield StreamSummary(file), None
-
-
 def _show(source: str, with_survey: bool, as_json: bool) -> None:
-    with _opened(source, with_survey) as (summary, survey):
-        facts = _facts(summary, survey)
-        parts = chunk_parts(summary.chunk_bytes, summary.size)
+    with opened_stream(source) as stream:
+        survey = stream.survey() if with_survey else None
+        facts = _facts(stream, survey)
+        parts = chunk_parts(stream.chunk_bytes, stream.size)
         if survey is not None:
-            parts = all_parts(survey.part_bytes, summary.chunk_bytes, summary.size)
+            parts = all_parts(survey.part_bytes, stream.chunk_bytes, stream.size)
     table = _profile_parts(facts["profile"], parts) if survey is not None else parts
     if as_json:
         own = {f"{facts['profile']}_parts": whole_bytes(table)} if table.keys() != parts.keys() else {}
         print_json({"input": display(source)} | facts | {"parts": whole_bytes(parts)} | own)
         return
     click.echo(f"{display(source)}")
-    for name, text in _lines(summary, facts).items():
+    for name, text in _lines(stream, facts).items():
         click.echo(f"  {name:<12}{text}")
     click.echo()
     print_parts(table)
@@ -85,11 +69,11 @@ def _profile_parts(profile: str, parts: Mapping[str, float]) -> dict[str, float]
     return PROFILES[profile].shown_parts(parts)
 
 
-def _facts(summary: StreamSummary | Stream, survey: Survey | None) -> dict[str, Any]:
+def _facts(stream: Stream, survey: Survey | None) -> dict[str, Any]:
     """What `--json` prints besides the parts."""
     from sgicodec.decoder.view import overview_size
 
-    header = summary.header
+    header = stream.header
     texture = None if survey is None or not header.spec.texture else survey.texture_cells
     return {
         "width": header.width,
@@ -98,18 +82,18 @@ def _facts(summary: StreamSummary | Stream, survey: Survey | None) -> dict[str, 
         "channel_count": header.spec.channels,
         "sample_type": header.sample_type,
         "sample_range": header.sample_range,
-        "bytes": summary.size,
-        "bpp": 8 * summary.size / (header.width * header.height),
+        "bytes": stream.size,
+        "bpp": 8 * stream.size / (header.width * header.height),
         "profile": header.profile,
         "tiles": header.grid.count,
-        "overview": overview_size(header.width, header.height) if summary.has_overview else None,
-        "max_error": summary.max_error,
-        "graphics_error": summary.graphics_error,
-        "exact_views": summary.has_exact_views,
-        "metadata": metadata_bytes(summary.chunk_bytes),
-        **_place_facts(summary),
+        "overview": overview_size(header.width, header.height) if stream.has_overview else None,
+        "max_error": stream.max_error,
+        "graphics_error": stream.graphics_error,
+        "exact_views": stream.has_exact_views,
+        "metadata": metadata_bytes(stream.chunk_bytes),
+        **_place_facts(stream),
         "settings": _settings(header),
-        "encoder": summary.software,
+        "encoder": stream.software,
         "seeds": None if survey is None else survey.seeds,
         "gaussians": None if survey is None else survey.seeds * header.spec.per_seed,
         "texture_cells": texture,
@@ -117,19 +101,18 @@ def _facts(summary: StreamSummary | Stream, survey: Survey | None) -> dict[str, 
     }
 
 
-def _place_facts(summary: StreamSummary | Stream) -> dict[str, Any]:
-    if summary.metadata.geo is None and summary.metadata.exif is None:
+def _place_facts(stream: Stream) -> dict[str, Any]:
+    if stream.metadata.geo is None and stream.metadata.exif is None:
         return _NO_PLACE
     from sgicodec.cli.place import place_facts  # loads numpy
 
-    return place_facts(summary)
+    return place_facts(stream)
 
 
 def _settings(header: Header) -> dict[str, Any]:
     spec, context = header.spec, header.spec.context
     return {
         "layout": spec.layout,
-        "shape": spec.shape,
         "per_seed": spec.per_seed,
         "features": spec.features,
         "decoder_width": spec.hidden,
@@ -144,7 +127,7 @@ def _settings(header: Header) -> dict[str, Any]:
     }
 
 
-def _lines(summary: StreamSummary | Stream, facts: Mapping[str, Any]) -> dict[str, str]:
+def _lines(stream: Stream, facts: Mapping[str, Any]) -> dict[str, str]:
     """What is printed above the table."""
     channels, count = facts["channels"], facts["channel_count"]
     depth = _DEPTHS[facts["sample_type"]]
@@ -159,7 +142,7 @@ def _lines(summary: StreamSummary | Stream, facts: Mapping[str, Any]) -> dict[st
         from sgicodec.cli.place import place_lines
 
         lines |= place_lines(facts)
-    grid = summary.header.grid
+    grid = stream.header.grid
     if grid.count > 1:
         what = f"{grid.count} ({grid.across.count}×{grid.down.count}) of up to {grid.tile} pixels a side"
         lines["tiles"] = f"{what}, fading over {2 * grid.apron}"

@@ -6,7 +6,7 @@ import contextlib
 import os
 import sys
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, BinaryIO, Literal
+from typing import TYPE_CHECKING, Literal
 
 from sgicodec.cli.standard_streams import check_stdout
 from sgicodec.device import ALL_CORES, Device
@@ -26,7 +26,6 @@ __all__ = [
     "is_stream",
     "local_name",
     "naming_stream",
-    "opened_file",
     "opened_stream",
     "output_exists",
     "refuse_folder",
@@ -67,15 +66,6 @@ def local_name(path: str) -> str:
     from sgicodec.remote.url import file_name
 
     return file_name(path)
-
-
-def opened_file(path: str) -> BinaryIO:
-    """The file of this path or URL, opened for reading. Raises OSError, StreamError for a URL."""
-    if "://" in path:
-        from sgicodec.remote.url import open_url
-
-        return open_url(path)
-    return open(path, "rb")
 
 
 @contextlib.contextmanager

@@ -7,14 +7,13 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from sgicodec.bitstream.stream_summary import StreamSummary
     from sgicodec.decoder.stream import Stream
     from sgicodec.metadata.blobs import Metadata
 
 __all__ = ["lost_in", "lost_outside_tiff", "place_facts", "place_lines"]
 
 
-def place_facts(stream: StreamSummary | Stream) -> dict[str, Any]:
+def place_facts(stream: Stream) -> dict[str, Any]:
     """What `sgi info --json` says."""
     import numpy as np
 

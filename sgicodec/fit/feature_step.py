@@ -85,10 +85,9 @@ class FeatureStep:
         Gaussians; one coding stage that sees the hash grid; absolute error; no phase that rounds.
         """
         context, groups = spec.context, tuple(group.name for group in spec.groups)
-        decoded = spec.layout == "uniform" and spec.shape == "rotation" and spec.hidden > 0 and not spec.skip
         grouped = groups == _GROUPS and context.steps == (_GROUPS,) and bool(context.hash_resolutions)
         fitted = settings.loss == "absolute" and all(phase.rounding != "round" for phase in settings.phases)
-        return decoded and grouped and not context.neighbours and fitted
+        return grouped and not context.neighbours and fitted
 
     def set_layout(self, layout: SeedLayout, quality: int) -> None:
         """As `GradientStep.set_layout`."""

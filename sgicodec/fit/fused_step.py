@@ -66,9 +66,7 @@ class FusedStep:
     @staticmethod
     def can_run(spec: ModelSpec) -> bool:
         """Whether the native code has this model: the default profile's, with any C and width of MLP_p."""
-        context = spec.context
-        grouped = context.steps == tuple((name,) for name in _GROUPS) and not context.hash_resolutions
-        return spec.plain and grouped and 0 < context.neighbours <= _native.MAX_NEIGHBOURS
+        return spec.plain and 0 < spec.context.neighbours <= _native.MAX_NEIGHBOURS
 
     def set_layout(self, layout: SeedLayout, quality: int) -> None:
         """Prepares everything that depends on where the seeds are."""

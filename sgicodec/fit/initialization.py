@@ -24,16 +24,16 @@ say where they are: drawn at random they cost 8 % more bytes for 0.6 dB less (do
 def fresh_values(spec: ModelSpec, mean: F32, pixels: int) -> dict[str, F32]:
     """Attributes by group [n, size] of seeds whose cells hold `mean` [n, C], in a picture of `pixels` pixels.
 
-    With the skip a seed starts as a round Gaussian of half its cell and most of its cell's mean colour; without it, at
+    A seed that holds one starts as a round Gaussian of half its cell and most of its cell's mean colour; others at
     f = 0 as published, with scales that cover the picture. K > 1 Gaussians start apart, by `OFFSET_SPREAD`.
     """
     n = len(mean)
     values = {group.name: np.zeros((n, group.size), np.float32) for group in spec.groups}
-    if spec.skip:
+    if spec.plain:
         opponent = np.array(colour_matrix(spec.channels), np.float32)
         values["colour"][:] = np.float32(0.7) * mean @ opponent.T
-        values["shape"][:, 0::3] = math.log(0.5)
-    if spec.seed_scales:
+        values["shape"][:, 0] = math.log(0.5)
+    else:
         values["scales"] += np.float32(math.log(0.5 * math.sqrt(pixels / n)))
     if spec.per_seed > 1:
         values["offset"] += _spiral(spec.per_seed).reshape(-1)
@@ -49,7 +49,7 @@ def _spiral(count: int) -> F32:
 
 def fresh_decoders(spec: ModelSpec, rng: np.random.Generator) -> dict[str, F32]:
     """Weights of MLP_c and MLP_Σ: Xavier-uniform, zero biases, and nearly nothing out of MLP_c (gain 0.01, as
-    published) or, beside a skip, of either.
+    published).
     """
     decoders = {}
     for name, shape in decoder_shapes(spec).items():
@@ -60,8 +60,7 @@ def fresh_decoders(spec: ModelSpec, rng: np.random.Generator) -> dict[str, F32]:
         if len(shape) == 1:
             decoders[name] = np.zeros(shape, np.float32)
             continue
-        quiet = name.startswith("colour") or spec.skip
-        gain = 1.0 if name.endswith("w1") else 0.01 if quiet else 0.5
+        gain = 1.0 if name.endswith("w1") else 0.01 if name.startswith("colour") else 0.5
         bound = np.float32(gain * math.sqrt(6.0 / (shape[0] + shape[1])))
         decoders[name] = (rng.random(shape, np.float32) * 2 - 1) * bound
     return decoders

@@ -144,7 +144,7 @@ class Trainer:
 
     def _centre_context(self) -> None:
         """Lets a new MLP_p of a single coding stage begin at every attribute's mean and deviation."""
-        if self.centred or self.spec.skip or not self.context.trains:
+        if self.centred or self.spec.plain or not self.context.trains:
             return
         self.centred = True
         self.context.centre(self._in_base_steps())
@@ -248,7 +248,7 @@ class Trainer:
     def result(self) -> Fitted:
         """What the fit has found so far, in the stream's order."""
         self.fetch()
-        if not self.spec.skip and self.context.trains and not self.centred:
+        if not self.spec.plain and self.context.trains and not self.centred:
             self.context.say_constants(self._in_base_steps())  # it has learned nothing yet
         order = self.seeds.layout.order()
         return Fitted(

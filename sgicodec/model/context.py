@@ -66,7 +66,7 @@ def output_columns(spec: ModelSpec, group: str) -> NDArray[np.int64]:
     With the skip, channels beyond three, and those of pictures with fewer than three, share luma's.
     """
     size = spec.group(group).size
-    if not spec.skip:
+    if not spec.plain:
         return np.arange(size)
     if group == "colour":
         channel = np.arange(size)
@@ -76,7 +76,7 @@ def output_columns(spec: ModelSpec, group: str) -> NDArray[np.int64]:
 
 def output_count(spec: ModelSpec, group: str) -> int:
     """Distinct predictions of a group: a mean and a scale each."""
-    if not spec.skip:
+    if not spec.plain:
         return spec.group(group).size
     return {"colour": 3, "shape": 3, "offset": 2}.get(group, spec.group(group).size)
 

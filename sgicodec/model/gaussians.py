@@ -102,36 +102,29 @@ def gaussians_from_seeds(
     pixels, covariances [N·K, 3] (xx, xy, yy) pixels², colours [N·K, C].
     """
     n, k = attributes.shape[0], spec.per_seed
-    features = attributes[:, : spec.features]
-    colours = _decode(features, decoders, "colour", xp)
-    shapes = _decode(features, decoders, "shape", xp)
-    if spec.skip:
-        colours = colours + features[:, : spec.channels]
-        shapes = shapes + features[:, spec.channels : spec.channels + 3]
-    colours = colours.reshape(n * k, spec.channels)
-    if spec.skip:
-        colours = colours @ opponent
-    shapes = shapes.reshape(n, k, 3)
     offsets = attributes[:, spec.group("offset").columns].reshape(n, k, 2)
-    scales = xp.ones_like(attributes[:, :4])
-    if spec.seed_scales:
+    if spec.plain:
+        colours = attributes[:, spec.group("colour").columns] @ opponent
+        xx, xy, yy = _log_covariance(attributes[:, None, spec.group("shape").columns], cell[:, None], xp)
+    else:
+        features = attributes[:, : spec.features]
+        colours = _decode(features, decoders, "colour", xp).reshape(n * k, spec.channels)
+        shapes = _decode(features, decoders, "shape", xp).reshape(n, k, 3)
         scales = xp.clip(attributes[:, spec.group("scales").columns], 0.0, None)
-    means = centres[:, None, :] + cell[:, None, None] * offsets * scales[:, None, :2]
-    build = _log_covariance if spec.shape == "log" else _rotated_covariance
-    xx, xy, yy = build(shapes, scales[:, None, 2:], cell[:, None], xp)
+        offsets = offsets * scales[:, None, :2]
+        xx, xy, yy = _rotated_covariance(shapes, scales[:, None, 2:], cell[:, None], xp)
+    means = centres[:, None, :] + cell[:, None, None] * offsets
     covariances = xp.stack([xx + MIN_VARIANCE, xy, yy + MIN_VARIANCE], -1)
     return means.reshape(n * k, 2), covariances.reshape(n * k, 3), colours
 
 
 def _decode(features: Any, decoders: Mapping[str, Any], net: str, xp: Any) -> Any:
-    if f"{net}.w1" not in decoders:
-        return 0.0
     hidden = features @ decoders[f"{net}.w1"].T + decoders[f"{net}.b1"]
     hidden = xp.maximum(hidden, xp.zeros_like(hidden))
     return hidden @ decoders[f"{net}.w2"].T + decoders[f"{net}.b2"]
 
 
-def _log_covariance(shapes: Any, scales: Any, cell: Any, xp: Any) -> tuple[Any, Any, Any]:
+def _log_covariance(shapes: Any, cell: Any, xp: Any) -> tuple[Any, Any, Any]:
     """Σ = h² exp(2M), M = [[a+b, c], [c, a−b]] in closed form: no angle wraps, no axes swap, zero is round."""
     a = xp.clip(shapes[..., 0], -SHAPE_LIMIT, SHAPE_LIMIT)
     b, c = shapes[..., 1], shapes[..., 2]
@@ -140,7 +133,7 @@ def _log_covariance(shapes: Any, scales: Any, cell: Any, xp: Any) -> tuple[Any, 
     rho = rho * shrink
     grow, fall = xp.exp(2 * (a + rho)), xp.exp(2 * (a - rho))
     mean, half = 0.5 * (grow + fall), 0.5 * (grow - fall) / rho * shrink
-    area = cell * cell * scales[..., 0] * scales[..., 1]
+    area = cell * cell
     return area * (mean + half * b), area * half * c, area * (mean - half * b)
 
 

@@ -9,7 +9,6 @@ from typing import Literal
 __all__ = ["ContextSpec", "Group", "ModelSpec"]
 
 Layout = Literal["adaptive", "uniform"]
-Shape = Literal["log", "rotation"]
 
 
 @dataclass(frozen=True)
@@ -49,22 +48,19 @@ class ContextSpec:
 class ModelSpec:
     """The architecture (paper, section 3.1, with the design's choices as settings).
 
-    `features` is D, `per_seed` is K. With `skip`, K is 1 and the decoders start as an identity, so that the first C
-    features are a colour in an opponent space and the next three are a shape. `hidden` is the width of MLP_c and
-    MLP_Σ; 0 leaves only the skip. `seed_scales` says whether s_o and s_a are carried. `base_cell` is the side in
-    pixels of the base layer's cells, 0 for none. `texture` says whether tiles may hold a texture layer,
+    `features` is D, `per_seed` is K, `hidden` the width of MLP_c and MLP_Σ. With the adaptive layout K is 1, D is C + 3
+    and there are no MLPs: the features are a colour in an opponent space and a log-covariance. With the uniform one
+    seeds also carry the scales s_o and s_a, and MLP_Σ says rotations. `base_cell` is the side in pixels of the base
+    layer's cells, 0 for none. `texture` says whether tiles may hold a texture layer,
     `luma_space` whether samples are those of luma space, `restoration` whether tiles may name a network that
     restores what is rendered.
     """
 
     channels: int
     layout: Layout
-    shape: Shape
     per_seed: int
     features: int
     hidden: int
-    skip: bool
-    seed_scales: bool
     base_cell: int
     context: ContextSpec = field(repr=False)
     texture: bool = False
@@ -74,22 +70,15 @@ class ModelSpec:
     @cached_property
     def groups(self) -> tuple[Group, ...]:
         """The attribute groups in coding order; their sizes sum to d_A (paper: D + 4 + 2K)."""
-        if self.skip:
-            sizes = [("colour", self.channels), ("shape", 3)]
-            rest = self.features - self.channels - 3
-            sizes += [("feature", rest)] if rest else []
-        else:
-            sizes = [("feature", self.features)]
-        sizes += [("scales", 4)] if self.seed_scales else []
-        sizes += [("offset", 2 * self.per_seed)]
+        held = [("colour", self.channels), ("shape", 3)] if self.plain else [("feature", self.features), ("scales", 4)]
+        sizes = [*held, ("offset", 2 * self.per_seed)]
         starts = [sum(size for _, size in sizes[:i]) for i in range(len(sizes))]
         return tuple(Group(name, start, size) for start, (name, size) in zip(starts, sizes, strict=True))
 
     @property
     def plain(self) -> bool:
         """Whether seeds hold their Gaussian as it is: colour, log-covariance, offset; no decoders, no scales."""
-        held = self.per_seed == 1 and self.features == self.channels + 3
-        return self.skip and held and self.shape == "log" and not self.hidden and not self.seed_scales
+        return self.layout == "adaptive"
 
     def group(self, name: str) -> Group:
         """The group called `name`."""

@@ -42,7 +42,7 @@ class StepPlan:
 
 def follows_amplitude(spec: ModelSpec, group: str) -> bool:
     """Whether a group's steps follow the amplitude: its colours are known by then."""
-    return spec.skip and group != "colour"
+    return spec.plain and group != "colour"
 
 
 def default_plan(spec: ModelSpec, quality: int) -> StepPlan:
@@ -53,7 +53,7 @@ def default_plan(spec: ModelSpec, quality: int) -> StepPlan:
     """
     base = {}
     for group in spec.groups:
-        if spec.skip:
+        if spec.plain:
             over = 0 if group.name == "colour" else _SHAPE_OVER_COLOUR
             index = quality + over - 6 * (np.arange(LEVELS) - 3)
         else:

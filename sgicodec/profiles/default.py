@@ -12,7 +12,7 @@ from sgicodec.profiles.profile import Choices, Profile
 __all__ = ["DEFAULT", "default_settings", "default_spec", "lmbda_of_quality"]
 
 
-def default_spec(channels: int, prior: int = 3, hidden: int = 0, texture: bool = False) -> ModelSpec:
+def default_spec(channels: int, prior: int = 3, texture: bool = False) -> ModelSpec:
     """The `default` profile: adaptive seeds, log-covariances, a base layer, context from decoded neighbours.
 
     Prior 1 was trained for passes that do not go by size, and its streams state the probabilities of seeds' places.
@@ -21,12 +21,9 @@ def default_spec(channels: int, prior: int = 3, hidden: int = 0, texture: bool =
     return ModelSpec(
         channels=channels,
         layout="adaptive",
-        shape="log",
         per_seed=1,
         features=channels + 3,
-        hidden=hidden,
-        skip=True,
-        seed_scales=False,
+        hidden=0,
         base_cell=64,
         context=ContextSpec(prior=prior, steps=steps, hidden=64, neighbours=6),
         texture=texture,

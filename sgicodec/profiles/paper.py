@@ -39,12 +39,9 @@ def paper_spec(channels: int, per_seed: int = 10, features: int = 50) -> ModelSp
     return ModelSpec(
         channels=channels,
         layout="uniform",
-        shape="rotation",
         per_seed=per_seed,
         features=features,
         hidden=features,
-        skip=False,
-        seed_scales=True,
         base_cell=0,
         context=ContextSpec(
             prior=0,

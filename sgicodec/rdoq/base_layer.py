@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from sgicodec._native import search_base
 from sgicodec.bitstream.entropy.tables import frequency_tables
-from sgicodec.bitstream.parts.arrays import base_channels, base_references
+from sgicodec.bitstream.parts.arrays import base_errors
 from sgicodec.bitstream.parts.tile import TileModel
 from sgicodec.model.base import base_step, cubic_weights
 from sgicodec.model.gaussians import colour_matrix
@@ -47,15 +47,9 @@ def _searched(
 ) -> NDArray[np.int64]:
     tables, numbers = frequency_tables(), np.array(base, np.int64, order="C")
     for _ in range(_PASSES):
-        channels = base_channels(numbers)
-        weights = np.zeros((len(numbers), len(numbers)), np.int32)
-        for number, channel in enumerate(channels):
-            weights[number, base_references(number)] = channel.weights
         search_base(
             numbers,
-            np.array([channel.predictor for channel in channels], np.int32),
-            weights,
-            np.array([channel.table for channel in channels], np.int32),
+            np.array([tables.best(errors) for errors in base_errors(numbers)], np.int32),
             tables.support,
             tables.start,
             tables.symbol_bits,

@@ -29,9 +29,7 @@ def can_optimise(spec: ModelSpec) -> bool:
     """Whether RDOQ knows this kind of model: one Gaussian per seed, rendered as its colour, shape and offset say and
     coded in three steps from what neighbours say.
     """
-    context = spec.context
-    known = context.steps == (("colour",), ("shape",), ("offset",)) and not context.hash_resolutions
-    return spec.plain and known
+    return spec.plain
 
 
 @dataclass(frozen=True)

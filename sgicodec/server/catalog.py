@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import NamedTuple, Protocol
 
 from sgicodec.bitstream.recognition import looks_like_stream
-from sgicodec.bitstream.stream_summary import StreamSummary
+from sgicodec.decoder.stream import open_stream
 from sgicodec.errors import StreamError, UsageError
 from sgicodec.server.refusal import Refusal
 
@@ -123,11 +123,10 @@ class ListedFiles:
 def _listed(name: str, path: Path) -> ListedStream:
     """A stream with what its header says. Raises OSError."""
     try:
-        with path.open("rb") as file:
-            found = StreamSummary(file)
+        with open_stream(path) as found:
+            return ListedStream(name, found.size, (found.width, found.height), found.has_overview)
     except StreamError:
         return ListedStream(name, path.stat().st_size, None, False)
-    return ListedStream(name, found.size, (found.header.width, found.header.height), found.has_overview)
 
 
 def _is_stream(path: Path) -> bool:

@@ -244,7 +244,7 @@ def gaussians(header: Header, model: TileModel) -> tuple[F32, F32, F32]:
     means, covariances, colours = [], [], []
     for k in range(spec.per_seed):
         own = colour[k * channels : (k + 1) * channels]
-        if spec.skip:
+        if spec.plain:
             own = products(opponent(channels).astype(np.float32).T, own)
         if spec.luma_space:
             own = [c.astype(np.float32) for c in products(from_luma(channels), [c.astype(np.float64) for c in own])]
@@ -253,10 +253,10 @@ def gaussians(header: Header, model: TileModel) -> tuple[F32, F32, F32]:
         offset = group["offset"][2 * k : 2 * k + 2]
         means.append([centre[axis] + cell * offset[axis] * scales[axis] for axis in range(2)])
         bare = shape[3 * k : 3 * k + 3]
-        if spec.shape == "rotation":
-            covariances.append(rotated_covariance(bare, (cell * scales[2], cell * scales[3])))
+        if spec.plain:
+            covariances.append(log_covariance(bare, cell * cell))
         else:
-            covariances.append(log_covariance(bare, cell * cell * scales[2] * scales[3]))
+            covariances.append(rotated_covariance(bare, (cell * scales[2], cell * scales[3])))
 
     def by_gaussian(parts: list[Any]) -> F32:
         return np.array(parts, np.float32).transpose(2, 0, 1).reshape(n * spec.per_seed, -1)

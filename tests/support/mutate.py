@@ -19,7 +19,7 @@ __all__ = ["mutated"]
 Random = np.random.Generator
 
 _FIELDS = (
-    *("width", "height", "channels", "layout", "sample_type", "seed_layout", "shape", "flags", "per_seed"),
+    *("width", "height", "channels", "layout", "sample_type", "seed_layout", "flags", "per_seed"),
     *("features", "hidden", "base_cell", "quality", "family", "prior", "context_hidden", "neighbours"),
 )
 _DEEP = 3

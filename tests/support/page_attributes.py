@@ -57,11 +57,8 @@ class PageAttributes:
         self.size = header.width, header.height
         self.seeds, self.plan, self.networks, self.signs = seeds, plan, networks, [int(s) for s in signs]
         k, c, d = self.spec.per_seed, self.spec.channels, self.spec.features
-        self.groups = [("colour", c), ("shape", 3)] if self.spec.skip else [("feature", d)]
-        if self.spec.skip and d > c + 3:
-            self.groups.append(("feature", d - c - 3))
-        self.groups += [("scales", 4)] if self.spec.seed_scales else []
-        self.groups.append(("offset", 2 * k))
+        held = [("colour", c), ("shape", 3)] if self.spec.plain else [("feature", d), ("scales", 4)]
+        self.groups = [*held, ("offset", 2 * k)]
         self.values: list[dict[str, list[int]]] = [{} for _ in seeds]
         self.done: list[int] = []  # seeds of earlier passes
 
@@ -69,7 +66,7 @@ class PageAttributes:
         """Attributes of all seeds in the order of groups."""
         names = [name for name, _ in self.groups]
         for members in self.passes():
-            for step, groups in enumerate([[name] for name in names] if self.spec.skip else [names]):
+            for step, groups in enumerate([[name] for name in names] if self.spec.plain else [names]):
                 inputs = [self.inputs(i, step) for i in members]
                 outputs = [self.evaluate(step, row) for row in inputs]
                 first = 0
@@ -94,17 +91,17 @@ class PageAttributes:
     ) -> int:
         """Reads a group of these seeds; how many predictions it has."""
         size, spec = dict(self.groups)[name], self.spec
-        own = {"colour": 3, "shape": 3, "offset": 2}.get(name, size) if spec.skip else size
+        own = {"colour": 3, "shape": 3, "offset": 2}.get(name, size) if spec.plain else size
         base, gamma = self.plan[name]
         units, known, tables = (len(outputs[0]) - groups) // 2 if outputs else 0, [], []
         for i, y in zip(members, outputs, strict=True):
             level = min(self.seeds[i].k, 7)
             refinement, fall = clip(y[2 * units + number], -24, 24), 0
-            if spec.skip and name != "colour":
+            if spec.plain and name != "colour":
                 fall = gamma * (amplitude_of(self.values[i]["colour"]) + 20) >> 4
             for j in range(size):
                 use = j % own
-                if spec.skip and name == "colour":
+                if spec.plain and name == "colour":
                     channel = j % spec.channels
                     use = channel if spec.channels >= 3 and channel < 3 else 0
                 b = int(base[use][level])
@@ -124,7 +121,7 @@ class PageAttributes:
         x = np.array([clip(value, -(2**13), 2**13) for value in inputs], object)
         hidden = np.clip((w1.astype(object) @ x + 64 * b1.astype(object)) >> shift, 0, 2**15)
         y = w2.astype(object) @ hidden + 64 * b2.astype(object)
-        groups = 1 if self.spec.skip else len(self.groups)
+        groups = 1 if self.spec.plain else len(self.groups)
         units = (len(y) - groups) // 2
         return [v >> (shift - 2) for v in y[:units]] + [6 * v >> (6 + shift) for v in y[units:]]
 

@@ -14,16 +14,16 @@ from sgicodec.model.spec import ContextSpec, ModelSpec
 
 __all__ = ["LAYOUT_NAMES", "SAMPLE_TYPES", "decode_header"]
 
-FORMAT_VERSION = 7
+FORMAT_VERSION = 8
 MAX_SIDE, MAX_CHANNELS, MAX_TILES, MIN_TILE, MAX_APRON = 1 << 24, 64, 1 << 20, 32, 256
 LAYOUT_NAMES = ("multi", "gray", "gray+alpha", "rgb", "rgba")
 SAMPLE_TYPES = ("uint8", "uint16", "float32")
 MAX_FEATURES, MAX_HIDDEN, MAX_HASH_LEVELS, MAX_HASH_RESOLUTION = 1 << 13, 1 << 12, 32, 1 << 14
-_LAYOUTS, _SHAPES, _PROFILES = ("adaptive", "uniform"), ("log", "rotation"), ("default", "paper")
-_SKIP, _SEED_SCALES, _TILED, _TEXTURE, _LUMA = 1, 2, 4, 32, 64
-_RESTORATION, _RANGES, _BAND_MASKS, _EXACT = 128, 256, 512, 1024
-_ALL_FLAGS = 2047
-_MASKED: dict[Masked | None, int] = {None: 0, "transparent": 8, "nodata": 16}
+_LAYOUTS, _PROFILES = ("adaptive", "uniform"), ("default", "paper")
+_TILED, _TEXTURE, _LUMA = 1, 8, 16
+_RESTORATION, _RANGES, _BAND_MASKS, _EXACT = 32, 64, 128, 256
+_ALL_FLAGS = 511
+_MASKED: dict[Masked | None, int] = {None: 0, "transparent": 2, "nodata": 4}
 
 
 class _Fields:
@@ -84,8 +84,12 @@ def decode_header(payload: bytes) -> Header:
 
 def _check_model(header: Header) -> None:
     spec, channels = header.spec, header.spec.channels
-    other_seeds = spec.skip and (spec.per_seed != 1 or spec.features < channels + 3)
-    if other_seeds or (spec.context.neighbours and not spec.skip):
+    context = spec.context
+    if spec.layout == "adaptive":
+        sound = (spec.per_seed, spec.features, spec.hidden, context.hash_resolutions) == (1, channels + 3, 0, ())
+    else:
+        sound = spec.hidden > 0 and not context.neighbours
+    if not sound:
         raise CorruptStreamError("header: settings that contradict each other")
     if spec.luma_space and header.channels not in ("rgb", "rgba"):
         raise CorruptStreamError(f"header: {header.channels} has no luma space")
@@ -107,7 +111,7 @@ def _check_samples(header: Header) -> None:
 
 def _model(fields: _Fields, channels: int) -> tuple[int, Masked | None, ModelSpec, int, int]:
     """From the seed layout to the hash entries: flags, masked, spec, index of the base colour step, family."""
-    layout, shape = _LAYOUTS[fields.take("the seed layout", 0, 1)], _SHAPES[fields.take("the shape", 0, 1)]
+    layout = _LAYOUTS[fields.take("the seed layout", 0, 1)]
     flags = fields.take("the flags", 0, _ALL_FLAGS)
     masked = _masked(flags)
     per_seed = fields.take("K", 1, 64)
@@ -122,11 +126,10 @@ def _model(fields: _Fields, channels: int) -> tuple[int, Masked | None, ModelSpe
     resolutions = tuple(fields.take("a hash resolution", 1, MAX_HASH_RESOLUTION) for _ in range(levels))
     hash_features = fields.take("the hash features", 1, 64) if levels else ContextSpec.hash_features
     hash_entries = fields.take("the hash entries", 1, 20) if levels else ContextSpec.hash_log2_entries
-    skip, seed_scales = bool(flags & _SKIP), bool(flags & _SEED_SCALES)
     context = ContextSpec(prior, (), context_hidden, neighbours, resolutions, hash_features, hash_entries)
-    spec = ModelSpec(channels, layout, shape, per_seed, features, hidden, skip, seed_scales, base_cell, context)  # type: ignore[arg-type]
+    spec = ModelSpec(channels, layout, per_seed, features, hidden, base_cell, context)  # type: ignore[arg-type]
     names = tuple(group.name for group in spec.groups)
-    steps = tuple((name,) for name in names) if skip else (names,)
+    steps = tuple((name,) for name in names) if layout == "adaptive" else (names,)
     context = replace(context, steps=steps)
     textured, luma_space = bool(flags & _TEXTURE), bool(flags & _LUMA)
     spec = replace(spec, context=context, texture=textured, luma_space=luma_space)

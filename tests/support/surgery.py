@@ -17,7 +17,7 @@ Parts = list[tuple[str, bytes]]
 """Letter and payload of every chunk."""
 
 HEADER_FIELDS = (
-    *("version", "width", "height", "channels", "layout", "sample_type", "profile", "seed_layout", "shape", "flags"),
+    *("version", "width", "height", "channels", "layout", "sample_type", "profile", "seed_layout", "flags"),
     *("per_seed", "features", "hidden", "base_cell", "quality", "family"),
     *("prior", "context_hidden", "neighbours", "levels"),
 )

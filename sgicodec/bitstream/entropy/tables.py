@@ -53,9 +53,6 @@ MAX_MAGNITUDE = 1 << 20
 ESCAPE_EXPONENTS = 21
 """Number of Exp-Golomb exponents behind an escape: |n| − S − 1 lies in 0 .. MAX_MAGNITUDE − 1."""
 
-_MAX_COUNTED = 128
-"""Largest magnitude up to which symbols are counted before their bits are summed."""
-
 
 @dataclass(frozen=True)
 class FrequencyTables:
@@ -91,27 +88,6 @@ class FrequencyTables:
         values, counts = np.unique(np.asarray(symbols), return_counts=True)
         cost = self.bits(values[None, :], np.arange(TABLES)[:, None]) @ counts  # [TABLES]
         return int(np.argmin(cost))
-
-    def least_bits(self, options: NDArray[np.int64]) -> NDArray[np.float64]:
-        """What each of some arrays, options [n, …], costs in bits under the table that is best for it [n]."""
-        largest = int(np.abs(options).max(initial=0))
-        if largest > _MAX_COUNTED:
-            return np.array([self.bits(option, self.best(option)).sum() for option in options])
-        reach = 8
-        while reach < largest:
-            reach *= 2
-        width, number = 2 * reach + 1, np.arange(len(options))[:, None]
-        values = options.reshape(len(options), -1) + reach + width * number
-        counts = np.bincount(values.ravel(), minlength=width * len(options)).reshape(len(options), width)
-        # not a product of matrices: BLAS's threads would wait for each other where other work runs
-        least: NDArray[np.float64] = np.einsum("nv,vt->nt", counts, _bits_of_small(reach)).min(axis=1)
-        return least
-
-
-@cache
-def _bits_of_small(reach: int) -> NDArray[np.float64]:
-    """Bits of −reach … reach under every table [2 reach + 1, TABLES]."""
-    return frequency_tables().bits(np.arange(-reach, reach + 1)[:, None], np.arange(TABLES)[None, :])
 
 
 def escape_exponent(excess: NDArray[np.integer]) -> NDArray[np.int32]:

@@ -63,7 +63,7 @@ class AutogradStep:
         if rounding == "none":
             joined = torch.cat(list(values.values()), dim=1)
             sample = Sample(joined, torch.zeros(len(joined)))
-        elif rounding == "noise" and not lmbda and not self.spec.skip:
+        elif rounding == "noise" and not lmbda and not self.spec.plain:
             sample = self.proxy.noisy(values, leaves["steps"], level.scale, key)
         else:
             sample = self.proxy.sample(values, net, leaves["steps"], rounding, key)

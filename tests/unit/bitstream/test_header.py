@@ -64,13 +64,13 @@ def test_other_versions_are_refused(version: int) -> None:
 
 def test_unknown_flags_are_refused() -> None:
     with pytest.raises(LimitError, match="the flags"):
-        decode_header(header_of(GOLDEN[0], flags=lambda flags: flags | 1 << 11))
+        decode_header(header_of(GOLDEN[0], flags=lambda flags: flags | 1 << 9))
 
 
-@pytest.mark.parametrize(("per_seed", "features"), [(2, 12), (1, 3)])
-def test_the_skip_goes_with_one_gaussian_per_seed(per_seed: int, features: int) -> None:
+@pytest.mark.parametrize("fields", [{"per_seed": 2}, {"features": 3}, {"features": 5}, {"hidden": 4}])
+def test_an_adaptive_seed_is_one_gaussian(fields: dict[str, int]) -> None:
     header = decode_header(header_of(named("gray16")))
-    assert header.spec.skip
-    spec = replace(header.spec, per_seed=per_seed, features=features)
+    assert header.spec.plain
+    spec = replace(header.spec, **fields)
     with pytest.raises(CorruptStreamError, match="contradict"):
         decode_header(encode_header(replace(header, spec=spec)))

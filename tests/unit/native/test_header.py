@@ -51,7 +51,7 @@ def test_damaged_headers_are_judged_alike(payload: bytes, data: st.DataObject) -
     st.sampled_from(
         [p for p, path in zip(PAYLOADS, GOLDEN, strict=True) if path.stem in ("float", "gray16", "rgb8", "multi8")]
     ),
-    st.sampled_from([0, 16, 256, 272, 512, 528, 1024, 1296]),
+    st.sampled_from([0, 4, 64, 68, 128, 132, 256, 324]),
     st.sampled_from([b"", b"\1", b"\2", b"\3", b"\5"]),
     st.one_of(
         st.binary(min_size=16, max_size=16),

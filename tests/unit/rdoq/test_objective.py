@@ -11,7 +11,7 @@ from sgicodec.bitstream.container import ChunkWriter
 from sgicodec.bitstream.header import encode_header
 from sgicodec.bitstream.parts.tile import TileModel, write_tile
 from sgicodec.decoder.stream import open_stream
-from sgicodec.model.spec import ContextSpec, ModelSpec
+from sgicodec.model.spec import ModelSpec
 from sgicodec.profiles.default import default_spec
 from sgicodec.profiles.paper import paper_spec
 from sgicodec.rdoq import Objective, can_optimise
@@ -53,16 +53,7 @@ def test_cost_is_that_of_the_stream(stage: Stage, channels: int, weighted: bool)
         (default_spec(3), True),
         (default_spec(1), True),
         (default_spec(64, prior=0), True),
-        (default_spec(3, hidden=8), False),
         (paper_spec(3), False),
-        (replace(default_spec(3), features=8), False),
-        (
-            replace(
-                default_spec(3),
-                context=ContextSpec(0, (("colour",), ("shape",), ("offset",)), 64, 6, hash_resolutions=(18,)),
-            ),
-            False,
-        ),
     ],
 )
 def test_which_models_it_knows(spec: ModelSpec, known: bool) -> None:
