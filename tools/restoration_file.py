@@ -11,7 +11,7 @@ import torch
 import torch.nn.functional as F
 from torch import Tensor, nn
 
-__all__ = ["RestorationNet", "file_of", "mean_of", "network_of"]
+__all__ = ["RestorationNet", "file_of", "network_of"]
 
 INPUT_UNIT = 128.0
 """Of an input of one step."""
@@ -139,16 +139,6 @@ def network_of(file: bytes) -> RestorationNet:
     if at != len(file):
         raise ValueError(f"a file of {len(file)} bytes, not {at}")
     return network
-
-
-def mean_of(first: RestorationNet, second: RestorationNet, share: float) -> RestorationNet:
-    """The network of weights between those of two that come from the same one; share: of the second."""
-    found = RestorationNet(first.convolutions()[0].out_channels, len(first.layers))
-    parameters = zip(found.parameters(), first.parameters(), second.parameters(), strict=True)
-    with torch.no_grad():
-        for own, one, other in parameters:
-            own.copy_(torch.lerp(one, other, share))
-    return found
 
 
 def _as_if(values: Tensor, others: Tensor) -> Tensor:

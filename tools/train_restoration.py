@@ -2,6 +2,8 @@
 
     python -m tools.train_restoration PICTURES_DIR STREAMS_DIR OUT.bin --tune psnr
 
+A small network begins best as the pupil of a larger one: --teacher FILE has it learn what that one adds.
+
 Every picture is encoded at some qualities; streams that lie in STREAMS_DIR already are taken as they are. They are
 drawn without a correction, and the network learns what their pixels lack, in crops that are turned at random. In the
 last part of the training it computes in the integers of its file.
@@ -49,6 +51,8 @@ __all__ = ["TRAININGS", "Example", "Training", "Weights", "examples_of", "loss_o
 
 MIN_ERROR = 0.003
 """Squared error, in squared steps, that is added so that flat crops do not rule."""
+MIN_MISSED = 1e-4
+"""The same of what a pupil misses of its teacher's correction."""
 MIN_SLOPE, MIN_SCORE = 2.0, -10.0
 """Of a picture's curve, points per unit of log bytes, and of a stream that still teaches something."""
 REPORT = 100
@@ -72,8 +76,13 @@ class Training:
 
 TRAININGS: dict[Tune, Training] = {
     "psnr": Training((30, 42, 54, 66), 2, 64, 16, 2e-3, 0.3),
-    "visual": Training((70, 83), 3, 256, 4, 6e-4, 0.1, 0.5),
+    "visual": Training((45, 57, 70, 83), 3, 256, 2, 1e-3, 0.1, 0.5),
 }
+
+
+def of_pupils(training: Training) -> Training:
+    """How a pupil learns from the streams of a training: in small crops."""
+    return replace(training, side=64, batch=6, rate=4e-3, warming=0.2, most_gradient=math.inf)
 
 
 @dataclass(frozen=True)
@@ -130,6 +139,18 @@ def visual_loss(crop: Example, shown: Tensor, weights: Weights) -> Tensor:
     farther = ((shown - pixels) * torch.from_numpy(slopes)).sum() / distance
     loss = loss + weights.butteraugli * (math.log(distance) + farther)
     return loss + weights.squared * torch.log((shown - crop.original).square().mean() + 1e-12)
+
+
+def taught_loss(teacher: RestorationNet) -> Loss:
+    """The logarithm of what a pupil misses of its teacher's correction, in squared steps."""
+    teacher.rounds = True
+
+    def loss(crop: Example, pupil: Tensor) -> Tensor:
+        with torch.no_grad():
+            (aim,) = shown(teacher, [crop])
+        return torch.log(((pupil - aim) / crop.step).square().mean() + MIN_MISSED)
+
+    return loss
 
 
 def loss_of(tune: Tune, weights: Weights | None = None) -> Loss:
@@ -260,6 +281,7 @@ def main() -> None:
     parser.add_argument("out", type=Path)
     parser.add_argument("--tune", choices=sorted(TRAININGS), required=True)
     parser.add_argument("--start", type=Path, help="a network to begin with")
+    parser.add_argument("--teacher", type=Path, help="a network whose pupil it is")
     parser.add_argument("--channels", type=int, default=16, help="of hidden layers")
     parser.add_argument("--layers", type=int, default=4)
     parser.add_argument("--steps", type=int, default=5000, help="batches")
@@ -272,6 +294,7 @@ def main() -> None:
     torch.set_num_threads(options.threads)
     torch.manual_seed(0)
     device, training = Device(options.threads), TRAININGS[options.tune]
+    training = of_pupils(training) if options.teacher else training
     training = replace(training, rate=options.rate or training.rate)
     make_streams(options.pictures, options.streams, options.tune, training, device)
     examples = examples_of(options.pictures, options.streams, device)
@@ -281,6 +304,8 @@ def main() -> None:
     fresh = options.start is None
     network = RestorationNet(options.channels, options.layers) if fresh else network_of(options.start.read_bytes())
     loss = loss_of(options.tune, Weights(options.butteraugli, options.squared))
+    if options.teacher:
+        loss = taught_loss(network_of(options.teacher.read_bytes()))
     train(network, examples, loss, training, options.steps, options.rounds)
     file = file_of(network)
     options.out.write_bytes(file)

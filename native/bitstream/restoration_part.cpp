@@ -22,9 +22,9 @@ const std::shared_ptr<const RestorationNetwork> &parsed() {
 
 const std::shared_ptr<const RestorationNetwork> &restoration_network(int number) {
   if (number == 1) return parsed<1>();
-  if (number == 3) return parsed<3>();
+  if (number == 2) return parsed<2>();
   throw Error(Fault::unsupported,
-              "restoration: network " + std::to_string(number) + "; this program has networks 1 and 3");
+              "restoration: network " + std::to_string(number) + "; this program has networks 1 and 2");
 }
 
 RestorationChoice read_restoration_part(SymbolReader &reader) {

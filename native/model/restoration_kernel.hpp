@@ -12,7 +12,7 @@ constexpr int kRestorationTaps = 9, kRestorationBlock = 4;  // outputs are padde
 
 // Of squares of two rows and columns of outputs (model/restoration_squares.hpp): their places, what the inputs of a
 // layer and its outputs must be whole groups of, and the most inputs; and what inputs may be.
-constexpr int kSquarePlaces = 16, kSquareOutputs = 8, kSquareInputs = 32, kRestorationSmall = 8191;
+constexpr int kSquarePlaces = 16, kSquareOutputs = 4, kSquareInputs = 32, kRestorationSmall = 8191;
 
 // Two consecutive inputs have one 32-bit number, the first in its lower half; so do their weights.
 struct LayerView {

@@ -18,9 +18,9 @@ using narrow::vi;
 using Halves = uint16_t __attribute__((vector_size(LANES * 4)));  // of two's complement
 using Wrapping = uint32_t __attribute__((vector_size(LANES * 4)));
 
-constexpr int kVectors = 2, kOutputs = LANES == 16 ? 8 : 4;  // computed at once: what there are registers for
-constexpr int kAcross = kVectors * LANES;                    // squares side by side
-constexpr int kBiased = 5;                                   // the place that all four outputs add
+constexpr int kVectors = 2, kOutputs = 4;  // computed at once: what there are registers for
+constexpr int kAcross = kVectors * LANES;  // squares side by side
+constexpr int kBiased = 5;                 // the place that all four outputs add
 static_assert(kRestorationColumns % (2 * kAcross) == 0, "a strip must hold whole vectors of squares");
 static_assert(kSquareOutputs % kOutputs == 0, "layers must have whole groups of outputs");
 

@@ -18,7 +18,7 @@ MAX_LISTED = 2000
 
 
 class ListedStream(NamedTuple):
-    """name: of the file; bytes: its size; size: width and height in pixels, None where the header is damaged;
+    """name: of the file; bytes: its size; size: width and height in pixels, None where the stream is damaged;
     has_overview: whether it carries the picture in small.
     """
 

@@ -60,7 +60,7 @@ def test_pixels_are_what_the_page_says(streams: dict[str, bytes], name: str) -> 
         with open_stream(unrestored(stream)) as plain:
             drawn = plain.render().transpose(2, 0, 1).astype(np.float64)
     assert restoration is not None
-    assert restoration.network == (3 if name == "visual" else 1)
+    assert restoration.network == (2 if name == "visual" else 1)
     coded = np.tensordot(to_luma_space(3), drawn, axes=1) if name == "visual" else drawn
     added = corrected(coded, restoration.network, restoration.step)
     if name == "visual":

@@ -18,9 +18,9 @@ F32 = NDArray[np.float32]
 
 _OFFSETS, _APART = (-40, -24, -8, 8), 16
 """Steps that are tried, from texture's own, in 32nds of an octave."""
-_STRONGER = {1: 0, 3: 4}
+_STRONGER = {1: 0, 2: 4}
 """By network, how far above the step of least squared error it does best."""
-_WORTH = {1: 1.0, 3: 0.995}
+_WORTH = {1: 1.0, 2: 0.995}
 """By network, the share of squared error up to which a restored tile is worth the third to half of its decode that
 restoration takes (docs/notes/2026-11-restoration.md)."""
 _BITS = 21

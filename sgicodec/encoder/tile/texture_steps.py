@@ -86,7 +86,7 @@ _EQUAL_STEPS = 428
 
 TUNINGS = {
     "psnr": TextureTuning(_SQUARED_STEPS, network=1),
-    "visual": TextureTuning(0.0927, 3, 39, growth=(1.0, 4.0), colours=7 / 8, masking=0.4, larger=1.3),
+    "visual": TextureTuning(0.0927, network=2, finer=39, growth=(1.0, 4.0), colours=7 / 8, masking=0.4, larger=1.3),
 }
 """By what an encode is tuned for. Growth, colours, masking: docs/notes/2026-11-texture-visual.md and
 2026-11-equal-losses.md; `larger`: 2026-11-luma-space.md."""

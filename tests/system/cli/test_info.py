@@ -50,10 +50,10 @@ def test_paper_profile_has_the_papers_table(sgi: Run, picture: Path) -> None:
     assert shown == [*table, "total"]
 
 
-def test_headers_alone_are_read(sgi: Run, stream: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_no_tile_is_decoded_without_a_survey(sgi: Run, stream: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     surveyed = json.loads(sgi("info", stream, "--survey", "--json").stdout)
     shown = sgi("info", stream, "--survey").stdout
-    monkeypatch.setattr("sgicodec.decoder.stream.open_stream", None)
+    monkeypatch.setattr("sgicodec.decoder.stream.Stream.survey", None)
     facts = json.loads(sgi("info", stream, "--json").stdout)
     later = {"seeds", "gaussians", "texture_cells", "symbol_crc"}
     absent = {"overview", "max_error", "graphics_error", "place", "nodata", "magnification", "resolution"}

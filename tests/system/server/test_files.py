@@ -102,8 +102,10 @@ def test_a_listing_has_sizes_and_thumbnails(get: Client, folder: Path) -> None:
     )
     for name, row in found.items():
         count = (folder / name).stat().st_size
-        with sgicodec.open(folder / name.replace("damaged", "rgb8-tiles")) as stream:  # of equal size
-            size = f"{stream.width} × {stream.height}"
+        size = "damaged"
+        if name != "damaged.sgi":
+            with sgicodec.open(folder / name) as stream:
+                size = f"{stream.width} × {stream.height}"
         assert f">{size}<" in row
         assert (f">{count / 1000:.1f} kB<" if count >= 1000 else f">{count} B<") in row
     wide = re.search('<img src="([^"]+)" width="(\\d+)" height="(\\d+)" loading="lazy"', found["wide.sgi"])
@@ -112,7 +114,7 @@ def test_a_listing_has_sizes_and_thumbnails(get: Client, folder: Path) -> None:
     assert image.size == (int(wide[2]), int(wide[3])) == (128, 5)
 
 
-def test_a_listing_names_a_damaged_header(folder: Path, tmp_path: Path) -> None:
+def test_a_listing_names_a_stream_that_was_cut(folder: Path, tmp_path: Path) -> None:
     (tmp_path / "cut.sgi").write_bytes((folder / "wide.sgi").read_bytes()[:30])
     assert Folder(tmp_path).listing("") == Listing([], [ListedStream("cut.sgi", 30, None, False)], False)
 

@@ -29,7 +29,7 @@ def with_restoration(data: bytes, restoration: Restoration | None) -> bytes:
 
 
 @pytest.mark.parametrize("name", ["rgb8-luma", "rgb8", "gray16-texture"])
-@pytest.mark.parametrize("restoration", [None, Restoration(1, 0), Restoration(3, 511)])
+@pytest.mark.parametrize("restoration", [None, Restoration(1, 0), Restoration(2, 511)])
 def test_round_trip(name: str, restoration: Restoration | None) -> None:
     data = with_restoration((GOLDEN / f"{name}.sgi").read_bytes(), restoration)
     with open_stream(data) as stream:
@@ -40,7 +40,7 @@ def test_round_trip(name: str, restoration: Restoration | None) -> None:
     assert read.bits["restoration"] == (4 if restoration is None else 13)
 
 
-@pytest.mark.parametrize("network", [2, 4, 7, 9])
+@pytest.mark.parametrize("network", [3, 4, 7, 9])
 def test_unknown_networks_are_refused(network: int) -> None:
     data = with_restoration((GOLDEN / "rgb8-luma.sgi").read_bytes(), Restoration(network, 300))
     with (
