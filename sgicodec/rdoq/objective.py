@@ -1,4 +1,4 @@
-"""The objective of RDOQ: true error plus λ times bits of a model of a picture."""
+"""What RDOQ minimises besides bits: the error of a model of a picture."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from sgicodec._native import WINDOW_PADDING
 from sgicodec.bitstream.header import Header
-from sgicodec.bitstream.parts.tile import TileModel, quantise, write_tile
+from sgicodec.bitstream.parts.tile import TileModel, quantise
 from sgicodec.device import Device
 from sgicodec.metrics.distortion import QuadraticReference, Reference
 from sgicodec.model.base import base_colours, render_base
@@ -19,7 +19,7 @@ from sgicodec.model.spec import ModelSpec
 from sgicodec.model.weighted_base import base_gram
 from sgicodec.raster.cpu import NativeRasterizer
 
-__all__ = ["Cost", "Objective", "can_optimise", "joined", "with_values"]
+__all__ = ["Objective", "can_optimise", "joined", "with_values"]
 
 F32 = NDArray[np.float32]
 F64 = NDArray[np.float64]
@@ -32,21 +32,6 @@ def can_optimise(spec: ModelSpec) -> bool:
     context = spec.context
     known = context.steps == (("colour",), ("shape",), ("offset",)) and not context.hash_resolutions
     return spec.plain and known
-
-
-@dataclass(frozen=True)
-class Cost:
-    """distortion: what λ trades against `bits` of the tile's payload. squared_error: what PSNR measures, samples in
-    0..1 summed over pixels and channels.
-    """
-
-    distortion: float
-    bits: float
-    squared_error: float
-
-    def at(self, lmbda: float) -> float:
-        """J = D + λR."""
-        return self.distortion + lmbda * self.bits
 
 
 @dataclass(frozen=True)
@@ -98,23 +83,9 @@ class Objective:
         np.subtract(self.target(model), raster.forward(*self.gaussians(model), width, height), out=out[:, :, :width])
         return out
 
-    def cost(self, model: TileModel) -> Cost:
-        """What the stream costs and what it will show: coded in earnest, rendered from what was coded."""
-        return self.measured(model)[0]
-
     def decoded_residual(self, model: TileModel) -> F32:
         """Target less what a decoder will draw [C, H, W + padding]."""
         return self.residual(with_values(self.header.spec, model, quantise(self.header, model).values))
-
-    def measured(self, model: TileModel) -> tuple[Cost, F32]:
-        """The cost, and the residual of what was coded."""
-        quantised = quantise(self.header, model)
-        payload, _ = write_tile(self.header, model, quantised)
-        residual = self.residual(with_values(self.header.spec, model, quantised.values))
-        left = residual[:, :, : self.picture.shape[2]]
-        distortion = self.reference.value(left)
-        plain = distortion if self.reference.weights is None else QuadraticReference().value(left)
-        return Cost(distortion, 8.0 * len(payload), plain), residual
 
 
 def joined(model: TileModel) -> F64:

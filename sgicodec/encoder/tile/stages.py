@@ -27,7 +27,7 @@ from sgicodec.fit.trainer import Fitted, Trainer
 from sgicodec.metrics.distortion import QuadraticReference, Reference, mean_weight
 from sgicodec.model.layout import ROOT_LOG, SeedLayout, adaptive_layout, cell_sums, uniform_layout
 from sgicodec.rate_control.rd_model import RdModel
-from sgicodec.rdoq import Objective, best_model, searched
+from sgicodec.rdoq import Objective, searched
 
 __all__ = [
     "STRATEGIES",
@@ -48,9 +48,6 @@ STRATEGIES: dict[str, LeastSquares | Perceptual] = {"psnr": LeastSquares(), "vis
 
 _MIN_TAUGHT_SEEDS = 64
 """Seeds from which on a fit may change the shipped context model; the change takes 20 to 250 bytes."""
-
-_GAINING_PASSES = 2
-"""Passes of RDOQ that gain without being measured (docs/notes/2026-11-ladder.md)."""
 
 
 def encode(tile: Tile) -> TileState:
@@ -173,9 +170,7 @@ def rdoq(state: TileState, min_passes: int = 0) -> TileState:
     def ending(done: int) -> bool:
         return done >= min_passes and tile.watch.ending()
 
-    if settings.passes <= _GAINING_PASSES:
-        return replace(state, model=searched(objective, state.model, lmbda, settings, ending))
-    return replace(state, model=best_model(objective, state.model, lmbda, settings, ending)[0])
+    return replace(state, model=searched(objective, state.model, lmbda, settings, ending))
 
 
 def texture(state: TileState) -> TileState:
