@@ -12,11 +12,9 @@ from sgicodec._native import WINDOW_PADDING
 from sgicodec.bitstream.header import Header
 from sgicodec.bitstream.parts.tile import TileModel, quantise
 from sgicodec.device import Device
-from sgicodec.metrics.distortion import QuadraticReference, Reference
 from sgicodec.model.base import base_colours, render_base
 from sgicodec.model.gaussians import model_gaussians
 from sgicodec.model.spec import ModelSpec
-from sgicodec.model.weighted_base import base_gram
 from sgicodec.raster.cpu import NativeRasterizer
 
 __all__ = ["Objective", "can_optimise", "joined", "with_values"]
@@ -36,25 +34,20 @@ def can_optimise(spec: ModelSpec) -> bool:
 
 @dataclass(frozen=True)
 class Objective:
-    """picture [C, H, W]: samples in 0..1; reference: the same as a distortion sees it."""
+    """picture [C, H, W]: samples in 0..1; weights [H, W]: what squared errors of seeds count, None where all count the
+    same.
+    """
 
     header: Header
     picture: F32
     device: Device
-    reference: Reference = field(default_factory=QuadraticReference)
+    weights: F32 | None = None
     _less_base: dict[bytes, F32] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     @cached_property
-    def weights(self) -> F32 | None:
-        """Weights of the pixels' squared errors [H, W + padding], or None where all are 1."""
-        weights = self.reference.weights
-        return None if weights is None else np.pad(weights, [(0, 0), (0, WINDOW_PADDING)])
-
-    @cached_property
-    def base_gram(self) -> F64 | None:
-        """`model.weighted_base.base_gram` of the weights, or None where all are 1."""
-        weights = self.reference.weights
-        return None if weights is None else base_gram(weights, self.header.spec.base_cell)
+    def padded_weights(self) -> F32 | None:
+        """The weights [H, W + padding] as the native code wants them."""
+        return None if self.weights is None else np.pad(self.weights, [(0, 0), (0, WINDOW_PADDING)])
 
     def target(self, model: TileModel) -> F32:
         """The picture less a model's base layer [C, H, W]: what its seeds have to show."""

@@ -24,7 +24,7 @@ def searched(
     ending: Callable[[int], bool] = lambda done: False,
 ) -> TileModel:
     """The model that passes find, whose attributes lie where they will be coded. Nobody looks at what a pass costs: the
-    last one is as good as the best, within 0.05 % (docs/notes/2026-11-rdoq.md).
+    last one is as good as the best, within 0.2 % (docs/notes/2026-11-rdoq.md).
 
     Ends early before a pass where `ending` says so of the number of passes that are done.
     """

@@ -10,7 +10,6 @@ from sgicodec._native import search_base
 from sgicodec.bitstream.entropy.tables import frequency_tables
 from sgicodec.bitstream.parts.arrays import PREDICTORS, BaseChannel, base_channels, base_references
 from sgicodec.model.base import cubic_weights
-from sgicodec.model.weighted_base import base_gram
 
 I64 = NDArray[np.int64]
 
@@ -31,17 +30,14 @@ def bits_of(planes: I64, channels: list[BaseChannel]) -> float:
     return bits
 
 
-@pytest.mark.parametrize("weighted", [False, True])
 @pytest.mark.parametrize("predictor", range(4))
 @pytest.mark.parametrize("count", [1, 4])
-def test_no_move_of_one_step_is_left_that_pays(count: int, predictor: int, weighted: bool) -> None:
+def test_no_move_of_one_step_is_left_that_pays(count: int, predictor: int) -> None:
     rng, lmbda = np.random.default_rng(count), 0.003
     height, width = 35, 50
     down = cubic_weights(np.arange(height) + 0.5, 5, CELL)
     across = cubic_weights(np.arange(width) + 0.5, 7, CELL)
     target = rng.normal(0, 0.05, (count, height, width))
-    weight = rng.uniform(0.2, 3.0, (height, width)).astype(np.float32) if weighted else np.ones((height, width))
-    gram = base_gram(weight, CELL) if weighted else None
     planes = np.rint(rng.normal(0, 3, (count, 5, 7)).cumsum(1)).astype(np.int64)
     channels = [replace(channel, predictor=predictor) for channel in base_channels(planes)]
     if count > 1:
@@ -52,10 +48,10 @@ def test_no_move_of_one_step_is_left_that_pays(count: int, predictor: int, weigh
 
     def cost(values: I64) -> float:
         error = target - STEP * (down @ values @ across.T)
-        return float(np.sum(weight * error**2)) + lmbda * bits_of(values, channels)
+        return float(np.sum(error**2)) + lmbda * bits_of(values, channels)
 
     before = cost(planes)
-    pull = np.ascontiguousarray(down.T @ (weight * (target - STEP * (down @ planes @ across.T))) @ across)
+    pull = np.ascontiguousarray(down.T @ (target - STEP * (down @ planes @ across.T)) @ across)
     tables = frequency_tables()
     moves = search_base(
         planes,
@@ -67,7 +63,7 @@ def test_no_move_of_one_step_is_left_that_pays(count: int, predictor: int, weigh
         tables.symbol_bits,
         down.T @ down,
         across.T @ across,
-        gram,
+        None,
         pull,
         STEP,
         lmbda,
@@ -76,7 +72,7 @@ def test_no_move_of_one_step_is_left_that_pays(count: int, predictor: int, weigh
     assert moves > planes.size
     after = cost(planes)
     assert after < 0.9 * before
-    left = down.T @ (weight * (target - STEP * (down @ planes @ across.T))) @ across
+    left = down.T @ (target - STEP * (down @ planes @ across.T)) @ across
     np.testing.assert_allclose(pull, left, atol=1e-9)
     for place in np.ndindex(*planes.shape):
         for by in (-1, 1):
