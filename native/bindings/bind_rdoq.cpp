@@ -84,24 +84,19 @@ void prune_gaussians(Array<float, 3> residual, Weights weights, Array<const floa
 
 int64_t search_base(Array<int64_t, 3> planes, Array<const int32_t, 1> table, Array<const int32_t, 1> support,
                     Array<const int64_t, 1> start, Array<const double, 1> bits, Array<const double, 2> down,
-                    Array<const double, 2> across, std::optional<Array<const double, 4>> gram, Array<double, 3> pull,
-                    double step, double lmbda, int passes) {
+                    Array<const double, 2> across, Array<double, 3> pull, double step, double lmbda, int passes) {
   const size_t channels = planes.shape(0), rows = planes.shape(1), columns = planes.shape(2);
   require(table.shape(0) == channels, "table must be [C]");
   require(has_shape(down, rows, rows) && has_shape(across, columns, columns) && pull.shape(0) == channels &&
               pull.shape(1) == rows && pull.shape(2) == columns,
           "down [rows, rows], across [columns, columns], pull [C, rows, columns]");
-  constexpr size_t kSpan = 2 * sgi::kBaseReach + 1;
-  require(!gram || (has_shape(*gram, rows, columns) && gram->shape(2) == kSpan && gram->shape(3) == kSpan),
-          "gram must be [rows, columns, 7, 7]");
   require_tables(support, start, bits);
   for (size_t c = 0; c < channels; ++c)
     require(table.data()[c] >= 0 && size_t(table.data()[c]) < support.shape(0), "a table does not exist");
   const sgi::SymbolBits tables{support.data(), start.data(), bits.data(), 0};
   const sgi::BasePlanes base{planes.data(), int64_t(channels), int64_t(rows), int64_t(columns), table.data(), tables};
   nb::gil_scoped_release release;
-  return sgi::search_base(base, {down.data(), across.data(), gram ? gram->data() : nullptr, pull.data(), step}, lmbda,
-                          passes);
+  return sgi::search_base(base, {down.data(), across.data(), pull.data(), step}, lmbda, passes);
 }
 
 }  // namespace
@@ -116,5 +111,5 @@ void bind_rdoq(nb::module_ &m) {
   m.def("prune_gaussians", &prune_gaussians, "residual"_a, "weights"_a, "means"_a, "covariances"_a, "colours"_a,
         "price"_a, "cutoff"_a, "threads"_a, "isa"_a, "pruned"_a);
   m.def("search_base", &search_base, "planes"_a, "table"_a, "support"_a, "start"_a, "bits"_a, "down"_a, "across"_a,
-        "gram"_a, "pull"_a, "step"_a, "lmbda"_a, "passes"_a);
+        "pull"_a, "step"_a, "lmbda"_a, "passes"_a);
 }

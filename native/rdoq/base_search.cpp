@@ -9,6 +9,7 @@ namespace sgi {
 namespace {
 
 constexpr double kMaxSaved = 40.0;  // bits that a move could save, generously
+constexpr int64_t kBaseReach = 3;   // cells farther apart share no pixel
 
 class BaseSearch {
  public:
@@ -16,8 +17,7 @@ class BaseSearch {
 
   bool move(int64_t c, int64_t y, int64_t x, double lmbda) {
     const double pull = f_.step * f_.pull[at(c, y, x)];
-    const double square = f_.gram ? f_.step * f_.step * *f_.own_gram(y, x, p_.columns)
-                                  : f_.step * f_.step * f_.down[y * p_.rows + y] * f_.across[x * p_.columns + x];
+    const double square = f_.step * f_.step * f_.down[y * p_.rows + y] * f_.across[x * p_.columns + x];
     int64_t best = 0;
     double least = -1e-9 * lmbda;
     for (const int64_t by : {int64_t(-1), int64_t(1), int64_t(std::llrint(pull / square))}) {
@@ -59,9 +59,7 @@ class BaseSearch {
     p_.values[at(c, y, x)] += by;
     for (int64_t v = std::max<int64_t>(0, y - kBaseReach); v <= std::min(p_.rows - 1, y + kBaseReach); ++v)
       for (int64_t u = std::max<int64_t>(0, x - kBaseReach); u <= std::min(p_.columns - 1, x + kBaseReach); ++u)
-        f_.pull[at(c, v, u)] -=
-            f_.gram ? by * f_.step * f_.own_gram(y, x, p_.columns)[(v - y) * (2 * kBaseReach + 1) + u - x]
-                    : by * f_.step * f_.down[y * p_.rows + v] * f_.across[x * p_.columns + u];
+        f_.pull[at(c, v, u)] -= by * f_.step * f_.down[y * p_.rows + v] * f_.across[x * p_.columns + u];
   }
 
   const BasePlanes &p_;

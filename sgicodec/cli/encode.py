@@ -52,7 +52,6 @@ __all__ = ["encode"]
             "profile",
             "seeds",
             "per_seed",
-            "distortion",
             "texture",
             "restoration",
             "features",
@@ -93,12 +92,6 @@ __all__ = ["encode"]
     "--tune",
     type=click.Choice(["visual", "psnr"]),
     help="What to look good to: the eye, or squared error.  [default: psnr with --psnr and --max-error, else visual]",
-)
-@click.option(
-    "--distortion",
-    type=click.Choice(["squared", "weighted"]),
-    help="What seeds minimise: squared error, or the same with less weight where the picture is busy.  "
-    "[default: as --tune needs it]",
 )
 @click.option("--texture/--no-texture", default=True, show_default=True, help="Code texture as cosines where it pays.")
 @click.option(

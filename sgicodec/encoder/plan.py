@@ -148,6 +148,5 @@ def _software(settings: EncodeSettings, fit: FitSettings) -> bytes:
         f"q{settings.chosen_quality:g}" if "quality" in scales and settings.lmbda is None else f"l{fit.lmbda:g}"
     )
     took = f"e{settings.effort}" if "effort" in scales and settings.steps is None else f"n{fit.steps}"
-    asked += f" {settings.tuned_for}" if settings.chosen_profile.has_distortions else ""
-    asked += "" if settings.distortion is None else f" {settings.distortion}"
+    asked += f" {settings.tuned_for}" if settings.chosen_profile.has_tunings else ""
     return f"{__version__} {asked} {took}".encode()

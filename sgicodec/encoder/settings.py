@@ -11,7 +11,6 @@ from typing import Any, Literal
 from sgicodec.bitstream.header import MAX_APRON, MAX_SIDE, MIN_TILE
 from sgicodec.encoder.effort import LOW_EFFORT_STEPS, Effort, Tune, effort_of, steps_of
 from sgicodec.errors import UsageError
-from sgicodec.metrics.choices import DISTORTIONS
 from sgicodec.model.tile_grid import TileGrid
 from sgicodec.profiles import PROFILES, Profile
 from sgicodec.profiles.fit_settings import FitSettings
@@ -57,10 +56,6 @@ class EncodeSettings:
     """Number of the shipped context model, 0 for one that travels in the stream."""
     rdoq: bool = True
     """Whether RDOQ follows the fit, where it knows the model."""
-    distortion: str | None = None
-    """What seeds minimise besides bits, a name in `metrics.choices`; None for what goes with `tune`. PSNR and its
-    targets stay plain.
-    """
     texture: bool = True
     """Whether the default profile lays cosines over its seeds where that is cheaper."""
     restoration: bool = True
@@ -125,18 +120,11 @@ class EncodeSettings:
         """What is asked for, or else follows from the other settings."""
         if self.tune is not None:
             return self.tune
-        if not self.chosen_profile.has_distortions:
+        if not self.chosen_profile.has_tunings:
             return "psnr"
         if self.target is not None:
             return TARGETS[self.target].tune
         return "visual" if self.max_error is None else "psnr"
-
-    @property
-    def minimised(self) -> str:
-        """The name of the distortion."""
-        if self.distortion is not None:
-            return self.distortion
-        return "weighted" if self.tuned_for == "visual" and self.chosen_profile.has_distortions else "squared"
 
     def grid(self, width: int, height: int) -> TileGrid:
         """The tiles of a picture."""
@@ -197,10 +185,6 @@ class EncodeSettings:
             ),
             (1 <= self.effort <= 9, f"effort {self.effort}; it runs from 1 to 9"),
             (self.profile in PROFILES, f"profile {self.profile}; there are {' and '.join(PROFILES)}"),
-            (
-                self.minimised in DISTORTIONS,
-                f"distortion {self.distortion}; there are {' and '.join(DISTORTIONS)}",
-            ),
             (self.tune in (None, "psnr", "visual"), f"tune {self.tune}; there are psnr and visual"),
             (self.per_seed is None or 1 <= self.per_seed <= 64, f"per-seed {self.per_seed}; 1 to 64"),
             (self.features is None or 1 <= self.features <= 512, f"features {self.features}; 1 to 512"),
@@ -230,9 +214,7 @@ class EncodeSettings:
         """Raises UsageError for settings that exclude each other, or that the profile does not have."""
         targets = [name for name in TARGETS if getattr(self, name) is not None]
         refuse_several_goals([*targets, *(["lmbda"] if self.lmbda is not None else [])])
-        if self.minimised != "squared" and not self.chosen_profile.has_distortions:
-            raise UsageError(f"the {self.profile} profile has a loss of its own; distortion is one of the default's")
-        if self.tune == "visual" and not self.chosen_profile.has_distortions:
+        if self.tune == "visual" and not self.chosen_profile.has_tunings:
             raise UsageError(f"the {self.profile} profile is not tuned for the eye")
         if targets and not self.chosen_profile.has_targets:
             raise UsageError(f"{targets[0]} is a setting of the default profile")

@@ -11,28 +11,21 @@ from sgicodec.model.base import base_colours, base_step, fit_base, render_base
 from sgicodec.model.gaussians import colour_matrix
 from sgicodec.model.quantization import step_index
 from sgicodec.model.spec import ModelSpec
-from sgicodec.model.weighted_base import fit_weighted_base
 
 __all__ = ["base_layer"]
 
 F32 = NDArray[np.float32]
 
 
-def base_layer(
-    spec: ModelSpec, unit: F32, lmbda: float, weights: F32 | None = None
-) -> tuple[int, NDArray[np.int64], F32]:
-    """Step index, integer grid [C, rows, columns], and what is left [C, H, W] of a picture `unit` [C, H, W] in 0..1,
-    whose pixels count as `weights` [H, W] say.
-    """
+def base_layer(spec: ModelSpec, unit: F32, lmbda: float) -> tuple[int, NDArray[np.int64], F32]:
+    """Step index, integer grid [C, rows, columns], and what is left [C, H, W] of a picture `unit` [C, H, W] in 0..1."""
     channels, height, width = unit.shape
     if not spec.base_cell:
         return 0, np.zeros((channels, 0, 0), np.int64), unit
     opponent = np.array(colour_matrix(channels))
     # One colour stands for cell² pixels; half of its energy is its own: q² = 6 λ / (E ln 2).
     index = int(step_index(math.sqrt(12 * lmbda / math.log(2)) / spec.base_cell))
-    colours = _mixed(opponent, unit)
-    cell = spec.base_cell
-    grid = fit_base(colours, cell) if weights is None else fit_weighted_base(colours, weights, cell)
+    grid = fit_base(_mixed(opponent, unit), spec.base_cell)
     base = np.rint(grid / base_step(index)).astype(np.int64)
     drawn = render_base(base_colours(base, index), spec.base_cell, np.arange(width) + 0.5, np.arange(height) + 0.5)
     return index, base, unit - drawn

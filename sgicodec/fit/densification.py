@@ -13,7 +13,7 @@ F32 = NDArray[np.float32]
 Mask = NDArray[np.bool_]
 
 
-def worthwhile_cells(sums: CellSums, layout: SeedLayout, price: float, min_log: int = 1) -> tuple[SeedLayout, F32]:
+def worthwhile_cells(sums: CellSums, layout: SeedLayout, price: float) -> tuple[SeedLayout, F32]:
     """New seeds for a residual with these sums, of which squares are not looked at, and the residual's mean in each
     one's cell [n, C].
 
@@ -23,16 +23,16 @@ def worthwhile_cells(sums: CellSums, layout: SeedLayout, price: float, min_log: 
     already hold a seed take no second one; cells beside the picture, where there is no residual, take none.
     """
     taken = _occupied(layout, {level: values.shape[1:] for level, values in sums.values.items()})
-    gain = {level: np.where(taken[level], 0.0, sums.held(level)) - price for level in range(min_log, ROOT_LOG + 1)}
-    best, here = {min_log: np.maximum(gain[min_log], 0)}, {min_log: gain[min_log] > 0}
-    for level in range(min_log + 1, ROOT_LOG + 1):
+    gain = {level: np.where(taken[level], 0.0, sums.held(level)) - price for level in range(1, ROOT_LOG + 1)}
+    best, here = {1: np.maximum(gain[1], 0)}, {1: gain[1] > 0}
+    for level in range(2, ROOT_LOG + 1):
         below = best[level - 1]
         below = below[::2, ::2] + below[1::2, ::2] + below[::2, 1::2] + below[1::2, 1::2]
         here[level] = gain[level] > below
         best[level] = np.maximum(gain[level], below)
     corners, sizes, means = [], [], []
     free: Mask = np.ones_like(here[ROOT_LOG])
-    for level in range(ROOT_LOG, min_log - 1, -1):
+    for level in range(ROOT_LOG, 0, -1):
         y, x = np.nonzero(free & here[level])
         corners.append(np.stack([x, y], axis=1).astype(np.int32) << level)
         sizes.append(np.full(len(x), level, np.int8))

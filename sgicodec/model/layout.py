@@ -112,9 +112,7 @@ def uniform_layout(width: int, height: int, count: int, rng: np.random.Generator
     return layout.take(layout.order())
 
 
-def adaptive_layout(
-    detail: F32, threshold: float, min_log: int = 1, root_log: int = ROOT_LOG, weights: F32 | None = None
-) -> SeedLayout:
+def adaptive_layout(detail: F32, threshold: float, min_log: int = 1, weights: F32 | None = None) -> SeedLayout:
     """Leaves of the quadtree that splits every cell whose squared deviation from its mean exceeds `threshold`.
 
     detail [C, H, W] is what seeds have to explain (the picture less its base layer); the deviation is summed over
@@ -123,7 +121,7 @@ def adaptive_layout(
     """
     _, height, width = detail.shape
     corners, sizes = [], []
-    for level, leaves, _ in _leaves(cell_sums(detail, root_log, weights), threshold, min_log, root_log):
+    for level, leaves, _ in _leaves(cell_sums(detail, ROOT_LOG, weights), threshold, min_log):
         y, x = np.nonzero(leaves)
         corner = np.stack([x, y], axis=1).astype(np.int32) << level
         inside = (corner[:, 0] < width) & (corner[:, 1] < height)
@@ -133,23 +131,23 @@ def adaptive_layout(
     return layout.take(layout.order())
 
 
-def leaf_sums(sums: CellSums, threshold: float, min_log: int = 1, root_log: int = ROOT_LOG) -> tuple[int, float]:
+def leaf_sums(sums: CellSums, threshold: float) -> tuple[int, float]:
     """How many leaves `adaptive_layout` would find, and their squared deviations together, from the sums of
     `cell_sums`; cells beside the picture count.
     """
     count, total = 0, 0.0
-    for _, leaves, deviation in _leaves(sums, threshold, min_log, root_log):
+    for _, leaves, deviation in _leaves(sums, threshold):
         count += int(leaves.sum())
         total += float(deviation[leaves].sum())
     return count, total
 
 
 def _leaves(
-    sums: CellSums, threshold: float, min_log: int, root_log: int
+    sums: CellSums, threshold: float, min_log: int = 1
 ) -> Iterator[tuple[int, NDArray[np.bool_], NDArray[np.float64]]]:
     """Level by level from the roots, which of its cells are leaves, and the squared deviation of each cell."""
-    alive = np.ones(sums.squares[root_log].shape, bool)
-    for level in range(root_log, min_log - 1, -1):
+    alive = np.ones(sums.squares[ROOT_LOG].shape, bool)
+    for level in range(ROOT_LOG, min_log - 1, -1):
         deviation = sums.squares[level] - sums.held(level)
         split = alive & (deviation > threshold) if level > min_log else np.zeros_like(alive)
         yield level, alive & ~split, deviation

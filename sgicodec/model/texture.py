@@ -32,16 +32,6 @@ class TextureLayer:
     log_size: NDArray[np.uint8]
     amplitudes: F32
 
-    @property
-    def count(self) -> int:
-        """How many cells hold texture."""
-        return len(self.log_size)
-
-    @property
-    def memory(self) -> int:
-        """Bytes that it holds."""
-        return self.corner.nbytes + self.log_size.nbytes + self.amplitudes.nbytes
-
     def draw(self, device: Device = ONE_THREAD) -> F32:
         """Planes [C, h, w] of the tile in the picture's colours."""
         width, height = self.size

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec._native import CONTRAST_LIMIT, texture_cells
-from sgicodec.model.texture import MIN_LOG, ROOT_LOG, TextureLayer
+from sgicodec.model.texture import ROOT_LOG, TextureLayer
 
 __all__ = [
     "CONTRAST_LIMIT",
@@ -125,12 +125,6 @@ class TextureSymbols:
     def is_empty(self) -> bool:
         """Whether no cell has texture."""
         return not self.log_size.any()
-
-    @property
-    def counts(self) -> dict[int, int]:
-        """How many cells of each side there are, by pixels of the side."""
-        logs = range(MIN_LOG, ROOT_LOG + 1)
-        return {1 << log: int((self.log_size == log).sum()) >> 2 * (log - MIN_LOG) for log in logs}
 
     def layer(self) -> TextureLayer:
         """The layer that is rendered."""

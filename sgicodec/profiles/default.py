@@ -90,6 +90,6 @@ DEFAULT = Profile(
     settings=_fit_settings,
     scales={"quality": "lmbda", "effort": "steps"},
     has_targets=True,
-    has_distortions=True,
+    has_tunings=True,
     has_overviews=True,
 )

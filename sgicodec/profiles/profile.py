@@ -61,8 +61,8 @@ class Profile:
     """Settings on a scale of this profile alone, and which takes their place elsewhere."""
     has_targets: bool = False
     """Whether a size, a PSNR or a score can be asked for."""
-    has_distortions: bool = False
-    """Whether it minimises what `metrics.choices` offers."""
+    has_tunings: bool = False
+    """Whether it can be tuned for the eye or for squared error."""
     has_overviews: bool = False
     """Whether a stream of several tiles may carry the picture in small."""
     parts: Mapping[str, tuple[str, ...]] = field(default_factory=dict)

@@ -5,8 +5,8 @@ all other seeds in it, and the bits as coded say that it pays; the base layer's 
 pruned. docs/notes/2026-11-rdoq.md, reports what each part gains.
 """
 
-from sgicodec.rdoq.objective import Cost, Objective, can_optimise
-from sgicodec.rdoq.rdoq import best_model, searched
+from sgicodec.rdoq.objective import Objective, can_optimise
+from sgicodec.rdoq.rdoq import searched
 from sgicodec.rdoq.settings import RdoqSettings
 
-__all__ = ["Cost", "Objective", "RdoqSettings", "best_model", "can_optimise", "searched"]
+__all__ = ["Objective", "RdoqSettings", "can_optimise", "searched"]

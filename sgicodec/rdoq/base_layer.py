@@ -34,16 +34,14 @@ def with_optimised_base(objective: Objective, model: TileModel, residual: F32, l
     _, rows, columns = model.base.shape
     down = cubic_weights(np.arange(height) + 0.5, rows, spec.base_cell)
     across = cubic_weights(np.arange(width) + 0.5, columns, spec.base_cell)
-    residual, weights = residual[:, :, :width], objective.reference.weights
-    lines = (residual if weights is None else residual * weights) @ across.astype(np.float32)
+    lines = residual[:, :, :width] @ across.astype(np.float32)
     pull = np.ascontiguousarray(np.tensordot(np.array(colour_matrix(spec.channels)), down.T @ lines, axes=1))
-    footprint = (down.T @ down, across.T @ across, objective.base_gram, pull)
-    base = _searched(model.base, base_step(model.base_step), lmbda, *footprint)
+    base = _searched(model.base, base_step(model.base_step), lmbda, down.T @ down, across.T @ across, pull)
     return replace(model, base=base)
 
 
 def _searched(
-    base: NDArray[np.int64], step: float, lmbda: float, down: F64, across: F64, gram: F64 | None, pull: F64
+    base: NDArray[np.int64], step: float, lmbda: float, down: F64, across: F64, pull: F64
 ) -> NDArray[np.int64]:
     tables, numbers = frequency_tables(), np.array(base, np.int64, order="C")
     for _ in range(_PASSES):
@@ -55,7 +53,6 @@ def _searched(
             tables.symbol_bits,
             np.ascontiguousarray(down),
             np.ascontiguousarray(across),
-            gram,
             pull,
             step,
             lmbda,

@@ -58,7 +58,7 @@ def descend(
         *(tables.support, tables.start, tables.symbol_bits),
         np.array(colour_matrix(header.spec.channels), np.float32),
         residual,
-        objective.weights,
+        objective.padded_weights,
         lmbda,
         DEFAULT_CUTOFF,
         settings.deep,

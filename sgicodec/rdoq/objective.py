@@ -1,4 +1,4 @@
-"""The objective of RDOQ: true error plus λ times bits of a model of a picture."""
+"""What RDOQ minimises besides bits: the error of a model of a picture."""
 
 from __future__ import annotations
 
@@ -10,16 +10,14 @@ from numpy.typing import NDArray
 
 from sgicodec._native import WINDOW_PADDING
 from sgicodec.bitstream.header import Header
-from sgicodec.bitstream.parts.tile import TileModel, quantise, write_tile
+from sgicodec.bitstream.parts.tile import TileModel, quantise
 from sgicodec.device import Device
-from sgicodec.metrics.distortion import QuadraticReference, Reference
 from sgicodec.model.base import base_colours, render_base
 from sgicodec.model.gaussians import model_gaussians
 from sgicodec.model.spec import ModelSpec
-from sgicodec.model.weighted_base import base_gram
 from sgicodec.raster.cpu import NativeRasterizer
 
-__all__ = ["Cost", "Objective", "can_optimise", "joined", "with_values"]
+__all__ = ["Objective", "can_optimise", "joined", "with_values"]
 
 F32 = NDArray[np.float32]
 F64 = NDArray[np.float64]
@@ -33,41 +31,21 @@ def can_optimise(spec: ModelSpec) -> bool:
 
 
 @dataclass(frozen=True)
-class Cost:
-    """distortion: what λ trades against `bits` of the tile's payload. squared_error: what PSNR measures, samples in
-    0..1 summed over pixels and channels.
-    """
-
-    distortion: float
-    bits: float
-    squared_error: float
-
-    def at(self, lmbda: float) -> float:
-        """J = D + λR."""
-        return self.distortion + lmbda * self.bits
-
-
-@dataclass(frozen=True)
 class Objective:
-    """picture [C, H, W]: samples in 0..1; reference: the same as a distortion sees it."""
+    """picture [C, H, W]: samples in 0..1; weights [H, W]: what squared errors of seeds count, None where all count the
+    same.
+    """
 
     header: Header
     picture: F32
     device: Device
-    reference: Reference = field(default_factory=QuadraticReference)
+    weights: F32 | None = None
     _less_base: dict[bytes, F32] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     @cached_property
-    def weights(self) -> F32 | None:
-        """Weights of the pixels' squared errors [H, W + padding], or None where all are 1."""
-        weights = self.reference.weights
-        return None if weights is None else np.pad(weights, [(0, 0), (0, WINDOW_PADDING)])
-
-    @cached_property
-    def base_gram(self) -> F64 | None:
-        """`model.weighted_base.base_gram` of the weights, or None where all are 1."""
-        weights = self.reference.weights
-        return None if weights is None else base_gram(weights, self.header.spec.base_cell)
+    def padded_weights(self) -> F32 | None:
+        """The weights [H, W + padding] as the native code wants them."""
+        return None if self.weights is None else np.pad(self.weights, [(0, 0), (0, WINDOW_PADDING)])
 
     def target(self, model: TileModel) -> F32:
         """The picture less a model's base layer [C, H, W]: what its seeds have to show."""
@@ -96,23 +74,9 @@ class Objective:
         np.subtract(self.target(model), raster.forward(*self.gaussians(model), width, height), out=out[:, :, :width])
         return out
 
-    def cost(self, model: TileModel) -> Cost:
-        """What the stream costs and what it will show: coded in earnest, rendered from what was coded."""
-        return self.measured(model)[0]
-
     def decoded_residual(self, model: TileModel) -> F32:
         """Target less what a decoder will draw [C, H, W + padding]."""
         return self.residual(with_values(self.header.spec, model, quantise(self.header, model).values))
-
-    def measured(self, model: TileModel) -> tuple[Cost, F32]:
-        """The cost, and the residual of what was coded."""
-        quantised = quantise(self.header, model)
-        payload, _ = write_tile(self.header, model, quantised)
-        residual = self.residual(with_values(self.header.spec, model, quantised.values))
-        left = residual[:, :, : self.picture.shape[2]]
-        distortion = self.reference.value(left)
-        plain = distortion if self.reference.weights is None else QuadraticReference().value(left)
-        return Cost(distortion, 8.0 * len(payload), plain), residual
 
 
 def joined(model: TileModel) -> F64:

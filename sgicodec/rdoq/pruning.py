@@ -30,7 +30,7 @@ def without_pruned_seeds(
     pruned = np.zeros(len(order), bool)
     prune_gaussians(
         residual,
-        objective.weights,
+        objective.padded_weights,
         means[order],
         covariances[order],
         colours[order],

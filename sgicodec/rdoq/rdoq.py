@@ -9,11 +9,11 @@ from sgicodec.bitstream.parts.tile import TileModel
 from sgicodec.rdoq.adaptation import fitted_scales, with_coarser_steps
 from sgicodec.rdoq.base_layer import with_optimised_base
 from sgicodec.rdoq.coordinate_descent import F32, Symbols, descend
-from sgicodec.rdoq.objective import Cost, Objective
+from sgicodec.rdoq.objective import Objective
 from sgicodec.rdoq.pruning import without_pruned_seeds
 from sgicodec.rdoq.settings import RdoqSettings
 
-__all__ = ["best_model", "searched"]
+__all__ = ["searched"]
 
 
 def searched(
@@ -23,8 +23,10 @@ def searched(
     settings: RdoqSettings,
     ending: Callable[[int], bool] = lambda done: False,
 ) -> TileModel:
-    """What passes find, without a look at what it costs: the first ones after a fit gain
-    (docs/notes/2026-11-ladder.md). Ends early as `best_model` does.
+    """The model that passes find, whose attributes lie where they will be coded. Nobody looks at what a pass costs: the
+    last one is as good as the best, within 0.2 % (docs/notes/2026-11-rdoq.md).
+
+    Ends early before a pass where `ending` says so of the number of passes that are done.
     """
     residual, found = objective.residual(model), None
     for done in range(settings.passes):
@@ -35,32 +37,6 @@ def searched(
             model = _taught(objective, model, residual, found, lmbda, settings, done)
         model, found = _pass(objective, model, residual, lmbda, settings, 0.0 if done else settings.coarser)
     return model
-
-
-def best_model(
-    objective: Objective,
-    model: TileModel,
-    lmbda: float,
-    settings: RdoqSettings,
-    ending: Callable[[int], bool] = lambda done: False,
-) -> tuple[TileModel, Cost]:
-    """The best model that passes find, whose attributes lie where they will be coded, and what it costs as coded and
-    rendered; none that costs more than what there was.
-
-    Ends early before a pass where `ending` says so of the number of passes that are done.
-    """
-    best, least, found = model, objective.cost(model), None
-    residual = objective.residual(model)
-    for done in range(settings.passes):
-        if ending(done):
-            break
-        if found is not None:
-            model = _taught(objective, model, residual, found, lmbda, settings, done)
-        model, found = _pass(objective, model, residual, lmbda, settings, 0.0 if done else settings.coarser)
-        cost, residual = objective.measured(model)
-        if cost.at(lmbda) < least.at(lmbda):
-            best, least = model, cost
-    return best, least
 
 
 def _taught(

@@ -12,7 +12,7 @@ class RdoqSettings:
     """How RDOQ follows a fit. What each part gains was measured: docs/notes/2026-11-rdoq.md."""
 
     passes: int = 6
-    """Times that all seeds are gone through; the best outcome counts."""
+    """Times that all seeds are gone through."""
     deep: int = 3
     """Choices of a seed's colours that are followed to its shape and offset."""
     rounds: int = 3

@@ -33,15 +33,12 @@ F64 = NDArray[np.float64]
 
 
 class SymbolRun(NamedTuple):
-    """Symbols [n, size] of an attribute group, indices of their frequency tables, and their steps in units of 2^-24;
-    what MLP_p saw [n, inputs], where that is asked for.
-    """
+    """Symbols [n, size] of an attribute group, indices of their frequency tables, and their steps in units of 2^-24."""
 
     group: str
     symbols: I32
     tables: I16
     steps: I64
-    inputs: I16
 
 
 @dataclass(frozen=True)
@@ -94,7 +91,6 @@ def quantise_attributes(
     networks: tuple[IntNetwork, ...],
     hash_tables: list[I64],
     values: dict[str, F64],
-    with_inputs: bool = False,
 ) -> QuantisedAttributes:
     """The symbols of the float attributes `values` by group [N, size], and what they decode to.
 
@@ -110,8 +106,8 @@ def quantise_attributes(
         np.concatenate(signs).astype(np.uint8) if signs else np.empty(0, np.uint8),
         np.concatenate([values[name] for name in names], axis=1, dtype=np.float64),
         np.minimum(dead_zone * 2.0**octaves, DEAD_ZONE_LIMIT),
-        with_inputs,
+        False,
         ONE_THREAD.threads,
         ONE_THREAD.isa,
     )
-    return QuantisedAttributes(decoded, [SymbolRun(names[run[0]], *run[1:]) for run in runs])
+    return QuantisedAttributes(decoded, [SymbolRun(names[run[0]], *run[1:4]) for run in runs])

@@ -77,11 +77,8 @@ def quantise(header: Header, model: TileModel) -> QuantisedAttributes:
     return quantise_attributes(header, *known, model.attributes)
 
 
-def write_tile(
-    header: Header, model: TileModel, quantised: QuantisedAttributes | None = None
-) -> tuple[bytes, SymbolWriter]:
-    """The payload of chunk T, and the writer with the bits of every part. quantised: what `quantise` gives for the
-    model, where that is known.
+def write_tile(header: Header, model: TileModel) -> tuple[bytes, SymbolWriter]:
+    """The payload of chunk T, and the writer with the bits of every part.
 
     Raises LimitError for a model that `read_tile` would refuse.
     """
@@ -106,7 +103,7 @@ def write_tile(
             write_signs(writer, np.concatenate([table.reshape(-1) for table in model.hash_tables]), counts)
     with writer.part("context model"):
         write_networks(writer, spec, model.networks)
-    write_attributes(writer, quantise(header, model) if quantised is None else quantised)
+    write_attributes(writer, quantise(header, model))
     if spec.texture:
         with writer.part("texture"):
             write_texture(writer, size, spec.channels, model.texture)

@@ -77,5 +77,5 @@ def with_seeds_for(state: TileState, left: NDArray[np.float32]) -> TileState:
     """The tile with its seeds' symbols searched once more for what is left to them [C, H, W]: the picture less all that
     is shown over them.
     """
-    objective = Objective(state.header, left, state.tile.device, state.tile.reference)
+    objective = Objective(state.header, left, state.tile.device)
     return replace(state, model=searched(objective, state.model, DEARER * state.lmbda, SETTINGS))

@@ -24,10 +24,9 @@ from sgicodec.encoder.tile.sharing import TextureCosts, seed_weights
 from sgicodec.encoder.tile.state import Prepared, Tile, TileState
 from sgicodec.fit.base_layer import base_layer
 from sgicodec.fit.trainer import Fitted, Trainer
-from sgicodec.metrics.distortion import QuadraticReference, Reference, mean_weight
 from sgicodec.model.layout import ROOT_LOG, SeedLayout, adaptive_layout, cell_sums, uniform_layout
 from sgicodec.rate_control.rd_model import RdModel
-from sgicodec.rdoq import Objective, best_model, searched
+from sgicodec.rdoq import Objective, searched
 
 __all__ = [
     "STRATEGIES",
@@ -49,9 +48,6 @@ STRATEGIES: dict[str, LeastSquares | Perceptual] = {"psnr": LeastSquares(), "vis
 _MIN_TAUGHT_SEEDS = 64
 """Seeds from which on a fit may change the shipped context model; the change takes 20 to 250 bytes."""
 
-_GAINING_PASSES = 2
-"""Passes of RDOQ that gain without being measured (docs/notes/2026-11-ladder.md)."""
-
 
 def encode(tile: Tile) -> TileState:
     """The tile through all stages, at a constant λ."""
@@ -72,9 +68,9 @@ def prepare(tile: Tile, lmbda: float) -> Prepared:
     """The tile for an encode at λ, its base layer taken off."""
     seed_price = tile.effort.seed_price if tile.spec.texture else 1.0
     fit = replace(tile.fit, lmbda=lmbda * seed_price)
-    base_step, base, target = base_layer(tile.spec, tile.unit, fit.lmbda, tile.reference.weights)
+    base_step, base, target = base_layer(tile.spec, tile.unit, fit.lmbda)
     costs = TextureCosts(target, lmbda, tile.device)
-    return Prepared(tile, lmbda, fit, base_step, base, target, costs, tile.reference)
+    return Prepared(tile, lmbda, fit, base_step, base, target, costs, tile.weights)
 
 
 def share(prepared: Prepared) -> Prepared:
@@ -83,11 +79,10 @@ def share(prepared: Prepared) -> Prepared:
     tile.watch.stage("prepare")
     if not (tile.spec.texture and tile.effort.scout):
         return prepared
-    weights, exact = tile.reference.weights, tile.effort.handover
-    part = seed_weights(tile.spec, prepared.fit, prepared.costs, tile.header.family, exact)
+    part = seed_weights(tile.spec, prepared.fit, prepared.costs, tile.header.family, tile.effort.handover)
     if part is None:
         return prepared
-    return replace(prepared, seed_reference=QuadraticReference(part if weights is None else part * weights))
+    return replace(prepared, weights=part if tile.weights is None else part * tile.weights)
 
 
 def fit(prepared: Prepared) -> TileState:
@@ -101,12 +96,12 @@ def fit(prepared: Prepared) -> TileState:
         tile.header.family,
         load_prior(tile.spec) if tile.spec.context.prior else None,
         device=tile.device,
-        weights=prepared.seed_reference.weights,
+        weights=prepared.weights,
     )
     tile.watch.fitted_by = trainer.device_name
     tile.watch.stage("fit")
-    reference = _run(trainer, prepared)
-    return in_integers(replace(prepared, seed_reference=reference), trainer.result())
+    _run(trainer, prepared)
+    return in_integers(replace(prepared, weights=trainer.weights), trainer.result())
 
 
 def _first_layout(prepared: Prepared) -> SeedLayout:
@@ -115,12 +110,12 @@ def _first_layout(prepared: Prepared) -> SeedLayout:
     if prepared.tile.spec.layout == "uniform":
         count = fit.seeds or max(1, round(width * height / 400))
         return uniform_layout(width, height, count, np.random.default_rng(fit.seed))
-    return adaptive_layout(prepared.target, fit.split_price * fit.lmbda, weights=prepared.seed_reference.weights)
+    return adaptive_layout(prepared.target, fit.split_price * fit.lmbda, weights=prepared.weights)
 
 
-def _run(trainer: Trainer, prepared: Prepared) -> Reference:
-    """All phases of a fit, in the course of which seeds hand over to texture; what those that stay minimise."""
-    tile, reference, ahead = prepared.tile, prepared.seed_reference, None
+def _run(trainer: Trainer, prepared: Prepared) -> None:
+    """All phases of a fit, in the course of which seeds hand over to texture."""
+    tile, ahead = prepared.tile, None
     hands_over = tile.spec.texture and tile.effort.handover
     for progress in trainer.iterate():
         if not tile.watch.step(progress):
@@ -132,9 +127,6 @@ def _run(trainer: Trainer, prepared: Prepared) -> Reference:
             hands_over = False
             if ahead is not None:
                 Handover(trainer, prepared.costs, ahead).run()
-                if trainer.weights is not None:
-                    reference = QuadraticReference(trainer.weights)
-    return reference
 
 
 def in_integers(prepared: Prepared, fitted: Fitted) -> TileState:
@@ -166,16 +158,14 @@ def rdoq(state: TileState, min_passes: int = 0) -> TileState:
     if not tile.has_rdoq:
         return state
     tile.watch.stage("search")
-    objective = Objective(state.header, tile.unit, tile.device, state.seed_reference)
+    objective = Objective(state.header, tile.unit, tile.device, state.weights)
     settings, lmbda = tile.effort.rdoq, state.fit.lmbda
     settings = replace(settings, passes=max(settings.passes, min_passes))
 
     def ending(done: int) -> bool:
         return done >= min_passes and tile.watch.ending()
 
-    if settings.passes <= _GAINING_PASSES:
-        return replace(state, model=searched(objective, state.model, lmbda, settings, ending))
-    return replace(state, model=best_model(objective, state.model, lmbda, settings, ending)[0])
+    return replace(state, model=searched(objective, state.model, lmbda, settings, ending))
 
 
 def texture(state: TileState) -> TileState:
@@ -190,6 +180,11 @@ def texture(state: TileState) -> TileState:
 def rd_model(prepared: Prepared) -> RdModel:
     """What predicts the outcome of fits."""
     target = prepared.target
-    weight = mean_weight(prepared.tile.reference, target)
     sums = cell_sums(target, ROOT_LOG)
-    return RdModel(sums, len(target), target[0].size, prepared.fit.split_price, weight)
+    return RdModel(sums, len(target), target[0].size, prepared.fit.split_price, _mean_weight(prepared))
+
+
+def _mean_weight(prepared: Prepared) -> float:
+    """What an error counts where the tile has detail."""
+    squares, weights = np.square(prepared.target, dtype=np.float64).sum(axis=0), prepared.tile.weights
+    return 1.0 if weights is None or not squares.any() else float(np.average(weights, weights=squares))

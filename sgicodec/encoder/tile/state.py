@@ -19,8 +19,7 @@ from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.encoder.tile.restoration import Restorer, Strength
 from sgicodec.encoder.tile.sharing import TextureCosts
 from sgicodec.encoder.tile.texture_steps import TUNINGS, Masking, TextureTuning
-from sgicodec.metrics.choices import DISTORTIONS
-from sgicodec.metrics.distortion import Reference
+from sgicodec.metrics.masking_weights import masking_weights
 from sgicodec.model.luma_space import to_luma_space
 from sgicodec.model.spec import ModelSpec
 from sgicodec.model.texture_symbols import TextureSymbols
@@ -104,8 +103,8 @@ class Tile:
     """[H, W]: pixels that need not be coded, None for none."""
     bare: Bare
     """Samples that no model shows."""
-    reference: Reference
-    """`unit` as the distortion sees it."""
+    weights: F32 | None
+    """[H, W]: what squared errors count, None where all count the same."""
     masking: Masking
     """Of texture, for any steps."""
     watch: Watch
@@ -175,7 +174,7 @@ def tile_of(
         unit,
         empty,
         bare,
-        DISTORTIONS[settings.minimised].reference(unit, empty),
+        masking_weights(unit, empty) if settings.tuned_for == "visual" else None,
         masking,
         Watch(listener or TileListener()),
         device,
@@ -199,8 +198,8 @@ class Prepared:
     """[C, H, W]: `unit` less the base layer, which is what seeds and texture are to show."""
     costs: TextureCosts
     """Of texture over parts of the target."""
-    seed_reference: Reference
-    """What seeds minimise: the tile's distortion, less of it where texture follows for fewer bits."""
+    weights: F32 | None
+    """[H, W]: what squared errors of seeds count: as in the tile, less where texture follows for fewer bits."""
 
 
 @dataclass(frozen=True)

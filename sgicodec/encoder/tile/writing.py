@@ -37,7 +37,7 @@ class EncodedTile:
     squared_error: float
     """Of what is decoded, in the tile's core, samples in 0..1."""
     distortion: float
-    """What λ trades for bytes, of the same."""
+    """What λ trades for bytes, of the same: squared error with weights."""
     samples: int
     """How many samples the core has, 0 where they are not measured."""
     seconds: float
@@ -90,7 +90,7 @@ def _encoded(
     if tile.is_only:
         return EncodedTile(*known, math.nan, math.nan, 0, 0.0, size, lmbda, header=header)
     shown = _decoded(_stream(tile, tile.header, _chunk(tile, tile.header, 0, coded)), tile)
-    core, weights = _core(tile), tile.reference.weights
+    core, weights = _core(tile), tile.weights
     ours, theirs = (replace(picture, pixels=picture.pixels[core]) for picture in (tile.picture, shown))
     error = squared_error(ours, theirs)
     distortion = error if weights is None else squared_error(ours, theirs, weights[core])

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from sgicodec.metrics.distortion import QuadraticReference, decibels, mean_weight, squared_error
+from sgicodec.metrics.distortion import decibels, squared_error
 from sgicodec.metrics.psnr import psnr
 from sgicodec.picture import Picture
 
@@ -27,13 +27,3 @@ def test_colours_that_nobody_sees_count_nothing() -> None:
     a[1, :, 3] = 255
     pictures = (Picture(pixels, "rgba", (0.0, 255.0)) for pixels in (a, b))
     assert squared_error(*pictures) == pytest.approx(2 * 3)
-
-
-def test_mean_weight_is_that_of_the_detail() -> None:
-    detail = np.zeros((2, 4, 6), np.float32)
-    weights = np.full((4, 6), 9.0, np.float32)
-    detail[:, 1, 2], weights[1, 2] = 0.5, 0.25
-    detail[:, 3, 3], weights[3, 3] = -0.5, 0.75
-    assert mean_weight(QuadraticReference(weights), detail) == pytest.approx(0.5)
-    assert mean_weight(QuadraticReference(weights), np.zeros_like(detail)) == 1
-    assert mean_weight(QuadraticReference(), detail) == 1

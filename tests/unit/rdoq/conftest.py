@@ -10,7 +10,6 @@ from sgicodec.bitstream.header import Header
 from sgicodec.bitstream.parts.prior import load_prior
 from sgicodec.bitstream.parts.tile import TileModel
 from sgicodec.device import Device
-from sgicodec.metrics.distortion import QuadraticReference
 from sgicodec.model.base import base_shape
 from sgicodec.model.layout import adaptive_layout
 from sgicodec.model.steps import default_plan
@@ -61,6 +60,6 @@ def stage() -> Stage:
         base = np.zeros((channels, *base_shape(width, height, spec.base_cell)), np.int64)
         model = TileModel(layout, default_plan(spec, QUALITY), 60, base, {}, load_prior(spec), [], attributes)
         weights = np.asarray(rng.uniform(0.2, 3.0, (height, width)), np.float32) if weighted else None
-        return Objective(header, picture, Device(threads, isa), QuadraticReference(weights)), model
+        return Objective(header, picture, Device(threads, isa), weights), model
 
     return make

@@ -63,8 +63,8 @@ def test_every_device_reads_what_is_written(name: str) -> None:
     model, _ = read_tile(header, payload)
     again = replace(model, attributes=values_of(header, model), decoded=None)
     quantised = quantise(header, again)
-    written, writer = write_tile(header, again, quantised)
-    assert written == payload == write_tile(header, again)[0]
+    written, writer = write_tile(header, again)
+    assert written == payload
     np.testing.assert_array_equal(model.decoded, quantised.decoded)
     np.testing.assert_array_equal(model.decoded_values, quantised.values)
     for device in DEVICES:

@@ -122,8 +122,8 @@ def test_an_encode_hands_over_once_and_searches_by_the_same_weights(monkeypatch:
     monkeypatch.setattr(Handover, "run", spy)
     state = fit(share(part))
     assert seen == [pytest.approx(HANDOVER, abs=0.01)]
-    assert state.seed_reference.weights is not None
-    assert state.seed_reference.weights[:, :32].max() < 0.1
+    assert state.weights is not None
+    assert state.weights[:, :32].max() < 0.1
     assert (state.model.layout.centre[:, 0] < 48).mean() < 0.2
 
 

@@ -37,7 +37,7 @@ def shared(pixels: np.ndarray, channels: Any = "rgb", **settings: Any) -> Prepar
 @pytest.mark.parametrize(("effort", "most"), [(2, 0.15), (5, 0.25)])
 def test_texture_counts_little_and_lines_count_much(effort: int, most: float) -> None:
     """At effort 5 seeds of texture count more at first, since they are handed over later."""
-    weights = shared(half_texture(), effort=effort).seed_reference.weights
+    weights = shared(half_texture(), effort=effort).weights
     assert weights is not None
     assert weights.shape == (128, 256)
     assert weights[:, :96].max() < most
@@ -46,14 +46,14 @@ def test_texture_counts_little_and_lines_count_much(effort: int, most: float) ->
 
 
 def test_the_same_weights_again() -> None:
-    first, again = (shared(half_texture()).seed_reference.weights for _ in range(2))
+    first, again = (shared(half_texture()).weights for _ in range(2))
     np.testing.assert_array_equal(first, again)
 
 
 def test_without_work_for_texture_seeds_keep_the_faster_code() -> None:
     ground = 120 + np.random.default_rng(2).integers(0, 3, (96, 160, 3))
     part = shared(ground.astype(np.uint8))
-    assert part.seed_reference is part.tile.reference
+    assert part.weights is None
 
 
 @pytest.mark.parametrize("channels", [1, 3, 4])
@@ -70,19 +70,17 @@ def test_the_estimate_follows_the_search(channels: int) -> None:
 
 def test_what_is_judged_stays_plain() -> None:
     part = shared(half_texture())
-    assert part.tile.reference.weights is None
-    assert part.seed_reference.weights is not None
+    assert part.weights is not None
     plain = shared(half_texture(), texture=False)
-    assert plain.seed_reference is plain.tile.reference
+    assert plain.weights is None
     assert plain.fit.lmbda == LMBDA
 
 
-def test_weights_of_a_distortion_are_multiplied() -> None:
-    plain, weighted = (shared(half_texture(), distortion=name) for name in ("squared", "weighted"))
-    assert plain.seed_reference.weights is not None
-    assert weighted.tile.reference.weights is not None
-    assert weighted.seed_reference.weights is not None
-    ratio = weighted.seed_reference.weights / weighted.tile.reference.weights
+def test_weights_of_masking_are_multiplied() -> None:
+    part = shared(half_texture(), tune="visual")
+    assert part.tile.weights is not None
+    assert part.weights is not None
+    ratio = part.weights / part.tile.weights
     assert np.all((ratio > 0.9 * MIN_WEIGHT) & (ratio <= 1 + 1e-6))
     assert ratio[:, :96].mean() < 0.3 * ratio[:, 160:].mean()
 
@@ -90,14 +88,14 @@ def test_weights_of_a_distortion_are_multiplied() -> None:
 def test_another_lmbda_is_scouted_again() -> None:
     part = shared(half_texture())
     other = share(prepare(part.tile, 4 * LMBDA))
-    assert part.seed_reference.weights is not None
-    assert other.seed_reference.weights is not None
-    assert np.any(part.seed_reference.weights != other.seed_reference.weights)
+    assert part.weights is not None
+    assert other.weights is not None
+    assert np.any(part.weights != other.weights)
 
 
 def test_the_shortest_fits_have_no_shorter_one_before_them() -> None:
     part = shared(half_texture(), effort=1)
-    assert part.seed_reference is part.tile.reference
+    assert part.weights is None
     assert part.fit.lmbda == UNSCOUTED_PRICE * LMBDA
 
 
@@ -116,7 +114,7 @@ def test_every_kind_of_picture(shape: tuple[int, ...], channels: str) -> None:
     if channels in ("gray+alpha", "rgba"):
         pixels[: shape[0] // 2, ..., -1] = 0  # empty pixels
     part = shared(pixels, channels)
-    weights = part.seed_reference.weights
+    weights = part.weights
     if weights is not None:
         assert weights.shape == shape[:2]
         assert weights.min() > 0

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from sgicodec.metrics.weighted_squared_error import WeightedSquaredError
+from sgicodec.metrics.masking_weights import masking_weights
 
 F32 = NDArray[np.float32]
 
@@ -17,17 +17,11 @@ def picture(channels: int, height: int = 40, width: int = 31) -> F32:
     return (0.5 + np.linspace(0, 0.4, width) * rng.uniform(-1, 1, (channels, height, width))).astype(np.float32)
 
 
-def weights_of(samples: F32, empty: NDArray[np.bool_] | None = None) -> F32:
-    weights = WeightedSquaredError().reference(samples, empty).weights
-    assert weights is not None
-    return weights
-
-
 @pytest.mark.parametrize("channels", [1, 2, 3, 4, 6])
 def test_weights_are_those_of_the_windows(channels: int) -> None:
     samples = picture(channels)
     luma = samples[0].astype(np.float64) if channels < 3 else np.tensordot([0.299, 0.587, 0.114], samples[:3], axes=1)
-    weights = weights_of(samples)
+    weights = masking_weights(samples)
     assert weights.dtype == np.float32
     for y in range(40):
         for x in range(31):
@@ -37,6 +31,6 @@ def test_weights_are_those_of_the_windows(channels: int) -> None:
 
 def test_a_tile_that_overlaps_its_neighbours_has_the_weights_of_the_picture() -> None:
     samples = picture(3, 60, 70)
-    whole = weights_of(samples)
-    tile = weights_of(np.ascontiguousarray(samples[:, 12:48, 20:64]))
+    whole = masking_weights(samples)
+    tile = masking_weights(np.ascontiguousarray(samples[:, 12:48, 20:64]))
     np.testing.assert_allclose(tile[5:-5, 5:-5], whole[17:43, 25:59], rtol=1e-5)
