@@ -32,8 +32,7 @@ void add_cubic(double behind, double *weights, double share) {
 Footprints footprints(const OutputAxis &axis, int cell) {
   const int samples = std::max(1, int(std::ceil(kSamplesPerCell / (axis.scale * cell))));
   const auto place = [&](int64_t i, int sample) {  // in cells
-    const double inside = (sample + 0.5) / samples;
-    return axis.place(double(i) + inside) / cell - 0.5;
+    return axis.place(i, (sample + 0.5) / samples) / cell - 0.5;
   };
   const auto lowest = [&](int64_t i, int sample) { return int64_t(std::floor(place(i, sample))); };
   Footprints found{std::vector<int64_t>(axis.count), {}, 4};

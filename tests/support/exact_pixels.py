@@ -140,9 +140,9 @@ class View:
     def _at(self) -> float:
         return math.floor(self.start * self.scale * 65536 + 0.5) / 65536
 
-    def place(self, pixels: float) -> float:
-        """In the tile, of a place among output pixels."""
-        return (self.offset + self.first + pixels) / self.scale
+    def place(self, pixel: int, inside: float) -> float:
+        """In the tile, of a place inside an output pixel."""
+        return (self.offset + (self.first + pixel) + inside) / self.scale
 
     @property
     def is_plain(self) -> bool:
@@ -328,7 +328,7 @@ def footprints(view: View, cell: int) -> list[dict[int, float]]:
     for pixel in range(view.count):
         weights: dict[int, float] = {}
         for sample in range(samples):
-            at = view.place(pixel + (sample + 0.5) / samples) / cell - 0.5
+            at = view.place(pixel, (sample + 0.5) / samples) / cell - 0.5
             low = math.floor(at)
             behind = at - low + 1.0
             for tap in range(4):
@@ -389,7 +389,7 @@ class Atoms:
         """φ_k [n] at an output pixel."""
         hard_low, hard_high = corner == 0, corner + side == self.end
         low, high = corner - (0 if hard_low else 4), corner + side + (0 if hard_high else 4)
-        middle, sums = self.view.place(pixel + 0.5), [0.0] * side
+        middle, sums = self.view.place(pixel, 0.5), [0.0] * side
         nodes = self.seen(middle, low, high)
         for node in nodes:
             t = middle + node * self.step - corner
