@@ -23,6 +23,7 @@ class Jpegli(Peer):
 
     name: ClassVar[str] = "jpegli"
     scale: ClassVar[Sequence[float]] = range(1, 101)
+    stated: ClassVar[str] = "quality={quality:.0f} 4:2:0"
     ladder: tuple[float, ...] = (1, 5, 10, 18, 30, 45, 62, 78, 90)
 
     def version(self) -> str:
@@ -30,9 +31,6 @@ class Jpegli(Peer):
         import pyjpegli
 
         return f"jpegli in pyjpegli {pyjpegli.__version__}"
-
-    def settings(self, quality: float) -> str:
-        return f"quality={round(quality)} 4:2:0"
 
     def encode(self, pixels: Pixels8, quality: float) -> bytes:
         import pyjpegli
@@ -61,6 +59,7 @@ class VVenC(Peer):
 
     name: ClassVar[str] = "vvenc"
     scale: ClassVar[Sequence[float]] = range(63, -1, -1)
+    stated: ClassVar[str] = "qp={quality:.0f} 4:2:0 10-bit preset=medium qpa=0 threads={0.threads}"
     ladder: tuple[float, ...] = (51, 46, 41, 36, 31, 27, 22)
     threads: int = 1
 
@@ -71,9 +70,6 @@ class VVenC(Peer):
         import imageio_ffmpeg
 
         return f"libvvenc in ffmpeg {imageio_ffmpeg.get_ffmpeg_version()}"
-
-    def settings(self, quality: float) -> str:
-        return f"qp={round(quality)} 4:2:0 10-bit preset=medium qpa=0 threads={self.threads}"
 
     def encode(self, pixels: Pixels8, quality: float) -> bytes:
         size = f"{pixels.shape[1]}x{pixels.shape[0]}"

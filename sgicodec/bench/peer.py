@@ -1,4 +1,4 @@
-"""What all peers have in common: a codec that runs in this process, and coding by pillow."""
+"""What peers have in common: a codec that runs in this process, and one that pillow holds."""
 
 from __future__ import annotations
 
@@ -12,21 +12,26 @@ import numpy as np
 from sgicodec.bench.codec import Pixels8, RoundTrip, timed
 from sgicodec.errors import PictureError, UsageError, require
 
-__all__ = ["Peer", "pillow_decode", "pillow_encode", "pillow_version"]
+__all__ = ["Peer", "PillowPeer", "pillow_encode"]
 
 
 class Peer(ABC):
-    """A codec that runs in this process, on arrays. `scale` holds its qualities by rising rate, for searches."""
+    """A codec that runs in this process, on arrays.
+
+    scale: its qualities by rising rate, for searches. stated: its settings, as a format of `quality` and of the peer.
+    """
 
     name: ClassVar[str]
     scale: ClassVar[Sequence[float]]
+    stated: ClassVar[str]
     ladder: tuple[float, ...]
 
     @abstractmethod
     def version(self) -> str: ...
 
-    @abstractmethod
-    def settings(self, quality: float) -> str: ...
+    def settings(self, quality: float) -> str:
+        """`stated` for a quality."""
+        return self.stated.format(self, quality=quality)
 
     @abstractmethod
     def encode(self, pixels: Pixels8, quality: float) -> bytes: ...
@@ -45,14 +50,37 @@ class Peer(ABC):
         return RoundTrip(data, decoded, encode_seconds, decode_seconds)
 
 
-def pillow_version(name: str, feature: str, library: str) -> str:
-    require("PIL", name, "bench")
-    import PIL
-    from PIL import features
+class PillowPeer(Peer):
+    """A codec of pillow: its name there, the feature that pillow needs for it and the library behind."""
 
-    if not features.check(feature):
-        raise UsageError(f"{name} needs a pillow that holds {library}: pip install 'sgicodec[bench]'")
-    return f"{library} {features.version(feature)} in pillow {PIL.__version__}"
+    container: ClassVar[str]
+    feature: ClassVar[str]
+    library: ClassVar[str]
+
+    @abstractmethod
+    def options(self, quality: float) -> dict[str, Any]:
+        """What pillow is to save with."""
+
+    def version(self) -> str:
+        require("PIL", self.name, "bench")
+        import PIL
+        from PIL import features
+
+        if not features.check(self.feature):
+            raise UsageError(f"{self.name} needs a pillow that holds {self.library}: pip install 'sgicodec[bench]'")
+        return f"{self.library} {features.version(self.feature)} in pillow {PIL.__version__}"
+
+    def encode(self, pixels: Pixels8, quality: float) -> bytes:
+        return pillow_encode(pixels, self.container, **self.options(quality))
+
+    def decode(self, data: bytes) -> Pixels8:
+        from PIL import Image
+
+        try:
+            with Image.open(io.BytesIO(data)) as picture:
+                return np.asarray(picture.convert("RGB"))
+        except Image.DecompressionBombError as error:
+            raise ValueError(f"pillow refuses to open it: {error}") from error
 
 
 def pillow_encode(pixels: Pixels8, container: str, **options: Any) -> bytes:
@@ -61,13 +89,3 @@ def pillow_encode(pixels: Pixels8, container: str, **options: Any) -> bytes:
     buffer = io.BytesIO()
     Image.fromarray(pixels).save(buffer, container, **options)
     return buffer.getvalue()
-
-
-def pillow_decode(data: bytes) -> Pixels8:
-    from PIL import Image
-
-    try:
-        with Image.open(io.BytesIO(data)) as picture:
-            return np.asarray(picture.convert("RGB"))
-    except Image.DecompressionBombError as error:
-        raise ValueError(f"pillow refuses to open it: {error}") from error

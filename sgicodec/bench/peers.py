@@ -15,57 +15,42 @@ import numpy as np
 
 from sgicodec.bench.codec import Codec, Pixels8
 from sgicodec.bench.optional_peers import Jpegli, VVenC
-from sgicodec.bench.peer import Peer, pillow_decode, pillow_encode, pillow_version
+from sgicodec.bench.peer import Peer, PillowPeer
 from sgicodec.errors import UsageError, require
 
 __all__ = ["PEERS", "Avif", "AvifIq", "AvifSlow", "Jpeg", "Jpeg2000", "JpegXl", "WebP", "find_peers"]
 
 
 @dataclass(frozen=True)
-class Jpeg(Peer):
+class Jpeg(PillowPeer):
     """Baseline JPEG's progressive form by libjpeg-turbo: 4:2:0, optimised Huffman tables."""
 
     name: ClassVar[str] = "jpeg"
+    container, feature, library = "JPEG", "libjpeg_turbo", "libjpeg-turbo"
     scale: ClassVar[Sequence[float]] = range(1, 96)
+    stated: ClassVar[str] = "quality={quality:.0f} 4:2:0 optimise progressive"
     ladder: tuple[float, ...] = (4, 7, 11, 18, 30, 48, 70, 85, 93)
 
-    def version(self) -> str:
-        return pillow_version(self.name, "libjpeg_turbo", "libjpeg-turbo")
-
-    def settings(self, quality: float) -> str:
-        return f"quality={round(quality)} 4:2:0 optimise progressive"
-
-    def encode(self, pixels: Pixels8, quality: float) -> bytes:
-        options = {"subsampling": "4:2:0", "optimize": True, "progressive": True}
-        return pillow_encode(pixels, "JPEG", quality=round(quality), **options)
-
-    def decode(self, data: bytes) -> Pixels8:
-        return pillow_decode(data)
+    def options(self, quality: float) -> dict[str, Any]:
+        return {"quality": round(quality), "subsampling": "4:2:0", "optimize": True, "progressive": True}
 
 
 @dataclass(frozen=True)
-class WebP(Peer):
+class WebP(PillowPeer):
     """Lossy WebP by libwebp at its slowest method; the format is 4:2:0 only."""
 
     name: ClassVar[str] = "webp"
+    container, feature, library = "WEBP", "webp", "libwebp"
     scale: ClassVar[Sequence[float]] = range(101)
+    stated: ClassVar[str] = "quality={quality:.0f} method=6"
     ladder: tuple[float, ...] = (0, 4, 12, 25, 45, 68, 82, 91, 96)
 
-    def version(self) -> str:
-        return pillow_version(self.name, "webp", "libwebp")
-
-    def settings(self, quality: float) -> str:
-        return f"quality={round(quality)} method=6"
-
-    def encode(self, pixels: Pixels8, quality: float) -> bytes:
-        return pillow_encode(pixels, "WEBP", quality=round(quality), method=6)
-
-    def decode(self, data: bytes) -> Pixels8:
-        return pillow_decode(data)
+    def options(self, quality: float) -> dict[str, Any]:
+        return {"quality": round(quality), "method": 6}
 
 
 @dataclass(frozen=True)
-class Avif(Peer):
+class Avif(PillowPeer):
     """AVIF by libaom at speed 6, 4:4:4, as avifenc codes a PNG.
 
     One tile, or with `tiled` as many as libavif finds right for the size.
@@ -76,6 +61,7 @@ class Avif(Peer):
     """
 
     name: ClassVar[str] = "avif"
+    container, feature, library = "AVIF", "avif", "libavif"
     scale: ClassVar[Sequence[float]] = range(100)
     speed: ClassVar[int] = 6
     tune: ClassVar[str] = "psnr"
@@ -84,7 +70,7 @@ class Avif(Peer):
     tiled: bool = False
 
     def version(self) -> str:
-        libavif = pillow_version(self.name, "avif", "libavif")
+        libavif = super().version()
         from PIL import _avif
 
         if not _avif.encoder_codec_available("aom"):
@@ -96,13 +82,9 @@ class Avif(Peer):
         chosen = f"speed={self.speed} tune={self.tune} tiles={tiles}"
         return f"quality={round(quality)} 4:4:4 aom {chosen} threads={self.threads}"
 
-    def encode(self, pixels: Pixels8, quality: float) -> bytes:
-        options: dict[str, Any] = {"subsampling": "4:4:4", "codec": "aom", "speed": self.speed}
-        options |= {"autotiling": self.tiled, "advanced": {"tune": self.tune}, "max_threads": self.threads}
-        return pillow_encode(pixels, "AVIF", quality=round(quality), **options)
-
-    def decode(self, data: bytes) -> Pixels8:
-        return pillow_decode(data)
+    def options(self, quality: float) -> dict[str, Any]:
+        coding = {"quality": round(quality), "subsampling": "4:4:4", "codec": "aom", "speed": self.speed}
+        return {**coding, "autotiling": self.tiled, "advanced": {"tune": self.tune}, "max_threads": self.threads}
 
 
 @dataclass(frozen=True)
@@ -123,25 +105,18 @@ class AvifIq(Avif):
 
 
 @dataclass(frozen=True)
-class Jpeg2000(Peer):
+class Jpeg2000(PillowPeer):
     """JPEG 2000 by OpenJPEG: a bare codestream, 9/7 wavelet. Its quality is the target rate in bpp."""
 
     name: ClassVar[str] = "jpeg2000"
+    container, feature, library = "JPEG2000", "jpg_2000", "openjpeg"
     scale: ClassVar[Sequence[float]] = tuple(0.02 * 1.01**step for step in range(600))
+    stated: ClassVar[str] = "bpp={quality:g} irreversible colour-transform"
     ladder: tuple[float, ...] = (0.1, 0.15, 0.22, 0.33, 0.5, 0.8, 1.3, 2.5)
 
-    def version(self) -> str:
-        return pillow_version(self.name, "jpg_2000", "openjpeg")
-
-    def settings(self, quality: float) -> str:
-        return f"bpp={quality:g} irreversible colour-transform"
-
-    def encode(self, pixels: Pixels8, quality: float) -> bytes:
-        options = {"irreversible": True, "mct": 1, "no_jp2": True}
-        return pillow_encode(pixels, "JPEG2000", quality_mode="rates", quality_layers=[24 / quality], **options)
-
-    def decode(self, data: bytes) -> Pixels8:
-        return pillow_decode(data)
+    def options(self, quality: float) -> dict[str, Any]:
+        coding = {"irreversible": True, "mct": 1, "no_jp2": True}
+        return {**coding, "quality_mode": "rates", "quality_layers": [24 / quality]}
 
 
 @dataclass(frozen=True)
@@ -150,6 +125,7 @@ class JpegXl(Peer):
 
     name: ClassVar[str] = "jxl"
     scale: ClassVar[Sequence[float]] = tuple(round(25 / 1.01**step, 3) for step in range(550))
+    stated: ClassVar[str] = "distance={quality:g} effort=7 threads={0.threads}"
     ladder: tuple[float, ...] = (25, 15, 9, 6, 4, 2.5, 1.6, 1.0, 0.6)
     threads: int = 1
 
@@ -160,9 +136,6 @@ class JpegXl(Peer):
         if not imagecodecs.JPEGXL.available:
             raise UsageError("jxl needs an imagecodecs that holds libjxl: pip install 'sgicodec[bench]'")
         return str(imagecodecs.jpegxl_version())
-
-    def settings(self, quality: float) -> str:
-        return f"distance={quality:g} effort=7 threads={self.threads}"
 
     def encode(self, pixels: Pixels8, quality: float) -> bytes:
         import imagecodecs

@@ -12,6 +12,7 @@ from sgicodec.bench.rows import Row
 __all__ = ["PUBLISHED", "PublishedCurves"]
 
 _KODAK_SIZE = {768, 512}
+_UNKNOWN = ("luma_psnr", "ssim", "ms_ssim", "encode_seconds", "decode_seconds")
 
 
 @dataclass(frozen=True)
@@ -40,12 +41,8 @@ class PublishedCurves:
             bytes=round(bpp * width * height / 8),
             bpp=bpp,
             psnr=psnr,
-            luma_psnr=math.nan,
-            ssim=math.nan,
-            ms_ssim=math.nan,
-            encode_seconds=math.nan,
-            decode_seconds=math.nan,
             memory_mib=None,
+            **dict.fromkeys(_UNKNOWN, math.nan),
         )
 
 
