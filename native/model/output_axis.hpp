@@ -19,8 +19,8 @@ struct OutputAxis {
     offset = at - whole;
     first = int64_t(whole) + first_of_view;
   }
-  // In the tile, of a place inside an output pixel; 0 <= inside < 1. What is added to `inside` is exact, so that the same
-  // place has the same number whichever pixel is the first.
+  // In the tile, of a place inside an output pixel; 0 <= inside < 1. What is added to `inside` is exact, so that the
+  // same place has the same number whichever pixel is the first.
   double place(int64_t pixel, double inside) const { return (offset + double(first + pixel) + inside) / scale; }
   double centre(int64_t pixel) const { return place(pixel, 0.5); }
   // Among output pixels, of a place in the tile.
