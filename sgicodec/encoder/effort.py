@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
+from sgicodec.profiles.default import SHORT_STEPS
 from sgicodec.rdoq.settings import RdoqSettings
 from sgicodec.rdoq.texture import NO_SPLIT_SEARCH, SPLIT_SEARCH_MARGIN
 
@@ -61,6 +62,9 @@ class Effort:
     """Times that seeds are quantised again beneath the texture; none for the eye, to which other errors are least."""
     ascent_passes: int
     """Passes of gradient ascent on what the eye sees, each of which searches texture anew."""
+    butteraugli: bool
+    """Whether they climb Butteraugli beside SSIMULACRA 2. Without it, a single pass gains 1.5 % of bytes by the latter
+    in five sixths of the time, and loses 2.5 % by the former (docs/notes/2026-11-ladder.md)."""
 
 
 def steps_of(effort: int, tuned_for: Tune, has_texture: bool) -> int:
@@ -75,8 +79,9 @@ def effort_of(steps: int, tuned_for: Tune, is_low: bool = False) -> Effort:
     on is worth its time from there on; before, more steps gain more in the same time.
     """
     eye = tuned_for == "visual"
-    scout, handover = steps >= 150 or not is_low, steps >= HANDOVER_STEPS[tuned_for]
+    scout, handover = steps >= SHORT_STEPS or not is_low, steps >= HANDOVER_STEPS[tuned_for]
     rdoq_passes = _within(2, round(steps / 250), 32)
+    ascent_passes = _passes(steps, handover) if eye else 0
     return Effort(
         steps=steps,
         scout=scout,
@@ -85,7 +90,8 @@ def effort_of(steps: int, tuned_for: Tune, is_low: bool = False) -> Effort:
         rdoq=RdoqSettings(passes=1, deep=1, rounds=2) if is_low else RdoqSettings(passes=rdoq_passes),
         split_margin=NO_SPLIT_SEARCH if is_low else SPLIT_SEARCH_MARGIN,
         rounds=0 if eye else _within(0, 1 + (steps - 375) // 225, 6),
-        ascent_passes=_passes(steps, handover) if eye else 0,
+        ascent_passes=ascent_passes,
+        butteraugli=ascent_passes > 1,
     )
 
 

@@ -26,8 +26,8 @@ __all__ = ["CalibratedSteps", "log_gradients", "quality_offset", "with_quality_c
 
 F64 = NDArray[np.float64]
 
-_LUMA, _GREEN = np.array([0.25, 0.625, 0.125]), np.array([-0.5, 1.0, -0.5])
-_FEATURES = ((_LUMA, 0, 5.7, -5.56), (_LUMA, 2, -5.2, -5.09), (_GREEN, 2, 2.2, -7.56), (_GREEN, 4, -1.5, -7.37))
+_PLANES = {"luma": np.array([0.25, 0.625, 0.125], np.float32), "green": np.array([-0.5, 1.0, -0.5], np.float32)}
+_FEATURES = (("luma", 0, 5.7, -5.56), ("luma", 2, -5.2, -5.09), ("green", 2, 2.2, -7.56), ("green", 4, -1.5, -7.37))
 """Plane, octave, steps of quality for a unit of the mean log gradient, and what that is in the mean of pictures."""
 _MAX_OFFSET = 10.0
 _LAST_QUALITY, _SPAN = 100.0, 44.0
@@ -71,9 +71,8 @@ def log_gradients(picture: Picture, masked: Masked | None) -> F64:
     with np.errstate(invalid="ignore"):
         colours = np.clip((picture.pixels[..., :3].astype(np.float64) - low) / (high - low), 0.0, 1.0)
         colours = np.rint(255 * colours) / 255 if picture.eight_bits else colours
-    means = [
-        _block_means(_squared_gradient(_reduced(colours @ plane, octave)), octave) for plane, octave, *_ in _FEATURES
-    ]
+    planes = {name: colours @ weights for name, weights in _PLANES.items()}
+    means = [_block_means(_squared_gradient(_reduced(planes[name], octave)), octave) for name, octave, *_ in _FEATURES]
     if masked == "transparent":
         unseen = empty_pixels(picture, masked)
     else:

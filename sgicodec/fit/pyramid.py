@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Level", "levels_of", "pyramid"]
+__all__ = ["Level", "levels_of", "max_level", "pyramid"]
 
 F32 = NDArray[np.float32]
 
@@ -20,6 +20,15 @@ class Level(NamedTuple):
     samples: F32
     scale: float = 1.0
     weights: F32 | None = None
+
+
+MIN_SIDE = 16
+"""Pixels of the shorter side of a level that says something of a picture."""
+
+
+def max_level(width: int, height: int) -> int:
+    """The smallest level that a fit of a picture may begin at."""
+    return max(0, (min(width, height) // MIN_SIDE).bit_length() - 1)
 
 
 def levels_of(target: F32, weights: F32 | None, count: int) -> list[Level]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,7 +16,7 @@ from sgicodec.fit.context_weights import ContextWeights
 from sgicodec.fit.densification import worthwhile_cells
 from sgicodec.fit.gradient_steps import gradient_step_of
 from sgicodec.fit.parameters import Parameters, learning_rate_of
-from sgicodec.fit.pyramid import levels_of
+from sgicodec.fit.pyramid import levels_of, max_level
 from sgicodec.fit.schedule import Schedule, evenly, passed
 from sgicodec.fit.seed_set import SeedSet
 from sgicodec.fit.step_sizes import base_counts, flat_steps, rounded_plan
@@ -82,6 +82,11 @@ class Trainer:
         device: Device = ALL_CORES,
         weights: F32 | None = None,
     ) -> None:
+        _, height, width = target.shape
+        most = max_level(width, height)
+        settings = replace(
+            settings, phases=tuple(replace(phase, level=min(phase.level, most)) for phase in settings.phases)
+        )
         self.spec, self.settings, self.weights = spec, settings, weights
         self.schedule = Schedule(settings.phases)
         self.raster = NativeRasterizer(device)
@@ -98,7 +103,6 @@ class Trainer:
         self.parameters = Parameters(self.seeds, steps, self.context)
         self.adam = Adam(settings.rates.betas, settings.rates.epsilon, device)
         self.on_gpu = self._device_fit(family, device)
-        _, height, width = target.shape
         self.gradient_step = gradient_step_of(spec, settings, self.raster, (width, height), family, device)
         (self.on_gpu or self.gradient_step).set_layout(self.seeds.layout, self.quality)
         self.step = 0

@@ -9,7 +9,11 @@ from sgicodec.model.spec import ContextSpec, ModelSpec
 from sgicodec.profiles.fit_settings import FitSettings, Phase
 from sgicodec.profiles.profile import Choices, Profile
 
-__all__ = ["DEFAULT", "default_settings", "default_spec", "lmbda_of_quality"]
+__all__ = ["DEFAULT", "SHORT_STEPS", "default_settings", "default_spec", "lmbda_of_quality"]
+
+SHORT_STEPS = 150
+"""Low efforts of fewer steps do without what pays in longer ones: no short fit before, and half of their steps at a
+quarter of the size, for 0.3 % more bytes in nine tenths of the time (docs/notes/2026-11-ladder.md)."""
 
 
 def default_spec(channels: int, prior: int = 3, texture: bool = False) -> ModelSpec:
@@ -52,19 +56,23 @@ def default_phases(steps: int) -> tuple[Phase, ...]:
 
 
 def low_effort_phases(steps: int) -> tuple[Phase, ...]:
-    """The same with most of the noise phase at half size, where a step takes a third of the time.
+    """The same with most of the noise phase at half size, or at a quarter and then at half, where a step takes a third
+    or a ninth of the time.
 
     It suits seeds beneath texture, which are wide: those that show a few pixels want full size
-    (docs/notes/2026-11-encode-speed.md).
+    (docs/notes/2026-11-encode-speed.md; at a quarter: 2026-11-ladder.md).
     """
     free, noisy, rounded = default_phases(steps)
-    coarse = round(0.7 * noisy.steps)
-    return (
-        free,
-        replace(noisy, steps=max(1, coarse), level=1, prune=5, grow=3),
-        replace(noisy, steps=max(1, noisy.steps - coarse), prune=2, grow=0),
-        rounded,
-    )
+    begin: tuple[Phase, ...]
+    if steps >= SHORT_STEPS:
+        coarse = round(0.7 * noisy.steps)
+        begin = free, replace(noisy, steps=max(1, coarse), level=1, prune=5, grow=3)
+    else:
+        part = int(0.45 * noisy.steps)
+        coarse = 2 * part
+        quarter = replace(noisy, steps=part, level=2, prune=2, grow=1)
+        begin = replace(free, level=2), quarter, replace(quarter, level=1, prune=3, grow=2)
+    return (*begin, replace(noisy, steps=max(1, noisy.steps - coarse), prune=2, grow=0), rounded)
 
 
 def lmbda_of_quality(quality: float) -> float:

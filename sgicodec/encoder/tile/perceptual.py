@@ -40,9 +40,11 @@ BUTTERAUGLI = 60.0
 """Points of SSIMULACRA 2 for which the logarithm of Butteraugli's 3-norm falls by one. 80 takes more bytes at equal
 scores, by both (docs/notes/2026-11-score-ascent.md).
 """
-MEAN_MOVE = 0.0125
-"""Of amplitudes in all passes, in steps, times the root of their number. 0.009 and 0.017 take up to 0.8 % more bytes
-(docs/notes/2026-11-equal-losses.md)."""
+MEAN_MOVE = 0.015
+"""Of amplitudes in a single pass, in steps (docs/notes/2026-11-ladder.md)."""
+SHORTER_BY_PASSES = 0.6
+"""Power of the number of passes by which each moves less; in five, moves 30 % shorter or longer take up to 0.8 % more
+bytes (docs/notes/2026-11-equal-losses.md)."""
 MAX_MOVE = 12.0
 """Of one amplitude, in means (docs/notes/2026-11-score-ascent.md)."""
 FINER_STEPS = 40.0
@@ -84,7 +86,8 @@ class Perceptual:
         tile, passes = state.tile, state.tile.effort.ascent_passes
         first, usual = state.best_layer(search, step, price), state.step_offsets
         state = replace(state, strength=state.best_strength(search, first))
-        ascent = ScoreAscent(tile.unit, tile.spec.luma_space, tile.empty, tile.device, passes, state.strength)
+        seen = (tile.unit, tile.spec.luma_space, tile.empty)
+        ascent = ScoreAscent(*seen, tile.device, passes, state.strength, tile.effort.butteraugli)
         steps = CalibratedSteps(tile.plan.calibrated_quality, step, passes)
         layer: TextureSymbols | None = None
         score: float | None = None
@@ -118,7 +121,7 @@ class _Pace:
 class ScoreAscent:
     """The ascent for layers of one picture in so many passes. unit [C, H, W]: what they are to show, in luma space
     where `luma_space`; empty [H, W]: pixels that count nothing, None for none; strength: with which what is rendered is
-    restored, None for not at all.
+    restored, None for not at all; butteraugli: whether it is followed beside SSIMULACRA 2.
     """
 
     def __init__(
@@ -129,10 +132,12 @@ class ScoreAscent:
         device: Device,
         passes: int,
         strength: Strength | None = None,
+        butteraugli: bool = True,
     ) -> None:
         self.unit, self.luma_space, self.empty, self.device, self.strength = unit, luma_space, empty, device, strength
-        self._pace, original = _Pace(MEAN_MOVE / passes**0.5), self._seen(unit)
-        self._structure, self._differences = VisualReference(original, device), ButteraugliReference(original, device)
+        self._pace, original = _Pace(MEAN_MOVE / passes**SHORTER_BY_PASSES), self._seen(unit)
+        self._structure = VisualReference(original, device)
+        self._differences = ButteraugliReference(original, device) if butteraugli else None
 
     def climb(
         self,
@@ -159,8 +164,10 @@ class ScoreAscent:
         return score, offsets
 
     def _judged(self, decoded: F32) -> tuple[float, float, F32]:
-        """SSIMULACRA 2 of a picture [C, H, W], points of both scores, and the gradient of these [C, H, W]."""
+        """SSIMULACRA 2 of a picture [C, H, W], points of what is climbed, and the gradient of these [C, H, W]."""
         score, gradient = self._structure.gradient(decoded)
+        if self._differences is None:
+            return score, score, gradient
         distance, _, farther = self._differences.gradient(decoded)
         if distance == 0:  # it has a side of a few pixels
             return score, score, gradient

@@ -25,7 +25,7 @@ _WORTH = {1: 1.0, 2: 0.995}
 restoration takes (docs/notes/2026-11-restoration.md)."""
 _BITS = 21
 """That a stream takes for it: the part, and a byte of the header."""
-_LOOKED_AT, _BAND, _MARGIN = 1 << 17, 64, 4
+_LOOKED_AT, _BAND, _MARGIN = 1 << 16, 64, 4
 """Pixels that strengths are compared on, in bands of so many rows; rows at their edges that depend on what lies beyond.
 """
 

@@ -49,7 +49,7 @@ def test_finds_a_psnr_within_reach(slope: float, bend: float, off: float) -> Non
     made.clear()
     measured = finish(step_shift(RateTarget(psnr=30 + off), finish))
     made.pop()
-    assert measured.psnr == pytest.approx(30 + off, abs=0.1)
+    assert measured.psnr == pytest.approx(30 + off, abs=0.1 + 1e-9)  # an end of the range, rounded
     assert len(made) <= 8
 
 
