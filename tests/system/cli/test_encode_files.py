@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -11,9 +10,6 @@ import pytest
 from click.testing import Result
 
 from sgicodec.decoder.stream import open_stream
-from sgicodec.encoder.tile.state import TileState
-from sgicodec.encoder.tile.writing import EncodedTile
-from sgicodec.encoder.tiles import tasks
 
 Run = Callable[..., Result]
 
@@ -51,22 +47,6 @@ def test_a_stream_beside_its_picture_is_replaced_with_force(
     assert stream.read_bytes() == before
     assert sgi("encode", picture, "-f", "--steps", 2, *more).exit_code == 0
     assert stream.read_bytes() != before
-
-
-def test_failure_leaves_nothing(sgi: Run, picture: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    real = tasks.write
-
-    def damaged(state: TileState) -> EncodedTile:
-        whole = real(state)
-        payload = bytearray(whole.payload)
-        payload[len(payload) // 2] ^= 1
-        return replace(whole, payload=bytes(payload))
-
-    monkeypatch.setattr(tasks, "write", damaged)
-    result = sgi("encode", picture, "--steps", 2)
-    assert result.exit_code == 4
-    assert result.stderr.startswith("sgi: ")
-    assert [path.name for path in picture.parent.iterdir()] == ["scene.png"]
 
 
 def test_the_input_is_never_the_output(sgi: Run, picture: Path) -> None:

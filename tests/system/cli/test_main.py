@@ -13,7 +13,6 @@ import numpy as np
 import pytest
 from click.testing import Result
 
-from sgicodec import errors
 from sgicodec.bitstream.header import FORMAT_VERSION
 from sgicodec.cli.command import HelpfulCommand
 from sgicodec.cli.main import cli
@@ -125,30 +124,6 @@ def test_usage_errors_are_one_line(sgi: Run, arguments: list[str], place: str) -
     assert result.stderr.startswith("sgi: ")
     assert result.stderr.endswith(f"; see {place} --help\n")
     assert result.stderr.count("\n") == 1
-
-
-def test_exit_codes_of_all_errors() -> None:
-    found = {name: getattr(errors, name) for name in errors.__all__}
-    codes = {name: error.exit_code for name, error in found.items() if isinstance(error, type)}
-    assert codes == {
-        "SgiError": 1,
-        "UsageError": 2,
-        "RegionError": 2,
-        "MissingExtraError": 2,
-        "NoDeviceError": 2,
-        "PictureError": 3,
-        "StreamError": 4,
-        "CorruptStreamError": 4,
-        "LimitError": 4,
-        "UnsupportedStreamError": 4,
-        "TargetMissedError": 5,
-        "OutputExistsError": 6,
-        "OutputLockedError": 6,
-        "TileFailedError": 1,
-        "BatchError": 1,
-        "ReportError": 1,
-        "EncodeInterruptedError": 130,
-    }
 
 
 @pytest.mark.parametrize("verbose", [False, True])
