@@ -72,14 +72,6 @@ def test_nodata_is_exact(
     assert np.isfinite(decoded.pixels[~hole]).all()
 
 
-def test_dark_pixels_do_not_become_nodata(pixels: np.ndarray, hole: np.ndarray) -> None:
-    """Black next to nodata 0 is rendered as nearly black."""
-    dark = (pixels // 40).astype(np.uint8)
-    dark[~hole] = np.maximum(dark[~hole], 1)
-    decoded = open_stream(encode_picture(holed(dark, hole, 0, b"0"), settings(0)).data).picture()
-    np.testing.assert_array_equal(nodata_mask(decoded), hole)
-
-
 @pytest.mark.parametrize("tile", TILES)
 @pytest.mark.parametrize(("value", "text"), [(0, b"0"), (255, b"255")])
 def test_nodata_that_no_sample_has_stays_away(pixels: np.ndarray, tile: int, value: int, text: bytes) -> None:

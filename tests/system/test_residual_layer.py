@@ -14,6 +14,7 @@ import pytest
 import reference_residual
 from numpy.typing import NDArray
 from page_varint import decode_varint
+from pipe import Pipe
 from scenes import ISAS
 from surgery import join, split
 
@@ -297,10 +298,6 @@ def test_a_region_alone(wide: Picture, exact: bytes) -> None:
 
 
 def test_from_a_source_that_cannot_seek(wide: Picture, exact: bytes) -> None:
-    class Pipe(io.BytesIO):
-        def seekable(self) -> bool:
-            return False
-
     with open_stream(Pipe(exact)) as stream:
         np.testing.assert_array_equal(stream.picture().pixels, wide.pixels)
 
@@ -319,13 +316,6 @@ def test_other_views_are_the_lossy_pictures(exact: bytes) -> None:
             np.testing.assert_array_equal(stream.picture(**view).pixels, plain.picture(**view).pixels)
         stream.lossy = True
         np.testing.assert_array_equal(stream.picture().pixels, plain.picture().pixels)
-
-
-@pytest.mark.parametrize("isa", ISAS)
-@pytest.mark.parametrize("threads", [1, 3])
-def test_on_every_instruction_set(wide: Picture, exact: bytes, isa: str, threads: int) -> None:
-    with open_stream(exact, Device(threads, isa)) as stream:
-        np.testing.assert_array_equal(stream.picture().pixels, wide.pixels)
 
 
 def test_it_is_taken_off_and_added_again(wide: Picture, exact: bytes) -> None:

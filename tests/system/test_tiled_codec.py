@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import zlib
 from dataclasses import replace
 from pathlib import Path
@@ -85,20 +84,6 @@ def test_scaled_views_agree_with_averages(coded: tuple[Picture, Encoded]) -> Non
     assert error[near].mean() < 1.3 * error[~near].mean() + 1e-3
 
 
-class Counting(io.BytesIO):
-    """Remembers which bytes were read."""
-
-    def __init__(self, data: bytes) -> None:
-        super().__init__(data)
-        self.ranges: list[tuple[int, int]] = []
-
-    def read(self, size: int | None = -1) -> bytes:
-        start = self.tell()
-        data = super().read(size)
-        self.ranges.append((start, start + len(data)))
-        return data
-
-
 def _tile_chunks(data: bytes) -> dict[int, tuple[int, int]]:
     """Where the payload of each tile's chunk begins and ends."""
     found, at = {}, len(SIGNATURE)
@@ -108,23 +93,6 @@ def _tile_chunks(data: bytes) -> dict[int, tuple[int, int]]:
             found[decode_varint(data, start)[0]] = start, start + length
         at = start + length + 4
     return found
-
-
-def test_a_region_reads_its_tiles_alone(coded: tuple[Picture, Encoded]) -> None:
-    source = Counting(coded[1].data)
-    stream = open_stream(source)
-    opening = sum(end - begin for begin, end in source.ranges)
-    source.ranges.clear()
-    stream.picture((10, 10, 50, 50))
-    read_bytes = np.zeros(len(coded[1].data), bool)
-    for begin, end in source.ranges:
-        read_bytes[begin:end] = True
-    chunks = _tile_chunks(coded[1].data)
-    assert read_bytes[slice(*chunks[0])].all()
-    for number in range(1, 6):
-        begin, end = chunks[number]
-        assert not read_bytes[begin + 16 : end].any()
-    assert opening < 4096 + 400
 
 
 def test_a_damaged_tile_is_named(coded: tuple[Picture, Encoded]) -> None:

@@ -52,11 +52,3 @@ def test_smaller_than_jpeg_at_the_same_fidelity(coded: tuple[Picture, dict[int, 
         if psnr(picture.pixels, np.asarray(image.open(buffer))) >= score:
             break
     assert len(ours.data) < buffer.tell()
-
-
-def test_layout_metadata_and_depth_return(coded: tuple[Picture, dict[int, Encoded]]) -> None:
-    picture, streams = coded
-    decoded = open_stream(streams[50].data).picture()
-    assert decoded.pixels.dtype == picture.pixels.dtype
-    assert decoded.channels == picture.channels
-    assert decoded.metadata == picture.metadata

@@ -72,10 +72,3 @@ def test_an_index_that_lies_is_found(data: bytes) -> None:
     for places in lies:
         with pytest.raises(CorruptStreamError):
             open_stream(_with_index(data, places)).picture()
-
-
-def test_chunks_behind_the_first_tile(data: bytes) -> None:
-    chunks = split(data)
-    late = [*chunks[:-2], ("x", b"<x/>"), chunks[-1]]
-    with pytest.raises(CorruptStreamError, match="before the tiles"):
-        open_stream(join(late))

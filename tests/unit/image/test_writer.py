@@ -4,7 +4,6 @@ import io
 import time
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import OpenImageIO as oiio
@@ -12,7 +11,6 @@ import pytest
 
 from sgicodec import read, write
 from sgicodec.errors import PictureError, UsageError
-from sgicodec.image import sink
 from sgicodec.image.formats import FORMATS, find
 from sgicodec.metadata.layouts import LAYOUTS
 from sgicodec.picture import Picture, full_range
@@ -128,17 +126,3 @@ def test_formats_go_by_extension_or_name(noise: Noise, tmp_path: Path) -> None:
         write(picture, tmp_path / "x.gif")
     with pytest.raises(PictureError, match="the picture: '' is no picture format"):
         write(picture, io.BytesIO())
-
-
-def test_a_failure_leaves_what_was_there(noise: Noise, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    target = tmp_path / "x.png"
-    target.write_bytes(b"before")
-
-    def fail(*_: Any) -> None:
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr(sink.embedded, "embed", fail)
-    with pytest.raises(PictureError, match=r"x\.png: No space left"):
-        write(_picture(noise, "uint8", "rgb"), target)
-    assert [path.name for path in tmp_path.iterdir()] == ["x.png"]
-    assert target.read_bytes() == b"before"

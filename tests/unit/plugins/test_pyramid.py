@@ -6,7 +6,6 @@ import json
 from pathlib import Path
 
 import numpy as np
-import openslide
 import pytest
 import tifffile
 from click.testing import CliRunner, Result
@@ -76,14 +75,6 @@ def test_metadata_of_ome(stream: sgicodec.Stream, tmp_path: Path) -> None:
         assert [above / below for above, below in (tags[282].value, tags[283].value)] == [20000, 10000]
         expected = stream.read(region=(100, 30, 300, 260), scale=0.5)
         np.testing.assert_array_equal(file.asarray(), expected)
-
-
-def test_openslide_reads_a_pyramid(stream: sgicodec.Stream, tmp_path: Path) -> None:
-    write_pyramid(stream, tmp_path / "a.tif")
-    with openslide.OpenSlide(tmp_path / "a.tif") as slide:
-        assert slide.level_dimensions == ((520, 300), (260, 150), (130, 75))
-        region = np.asarray(slide.read_region((0, 0), 1, (260, 150)))
-        np.testing.assert_array_equal(region[..., :3], stream.read(size=(260, 150)))
 
 
 def run(*arguments: object) -> Result:

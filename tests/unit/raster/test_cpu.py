@@ -155,19 +155,6 @@ def test_absolute_error_has_no_slope_where_nothing_differs(isa: str) -> None:
     assert not any(gradient.any() for gradient in gradients)
 
 
-@every_isa
-def test_weights_of_one_are_plain_squared_error(isa: str) -> None:
-    rng = np.random.default_rng(2)
-    scene = random_scene(rng, 60, 3, 70, 45, sigma=(0.5, 6.0), ratio=4.0)
-    target, ones = rng.normal(size=(3, 45, 70)).astype(np.float32), np.ones((45, 70), np.float32)
-    raster = NativeRasterizer(Device(2, isa))
-    (weighted, plain), gradients = raster.error(*scene, target, weights=ones)
-    (loss, _), expected = raster.error(*scene, target)
-    assert (weighted, plain) == pytest.approx((loss, loss), rel=1e-6)
-    for one, two in zip(gradients, expected, strict=True):
-        np.testing.assert_array_equal(one, two)
-
-
 WHOLE = 120
 WHOLE_ORIGIN = (-40, -35)
 CROP_SCENE = random_scene(np.random.default_rng(11), 150, 3, 80, 80, sigma=(0.3, 12.0), ratio=8.0)

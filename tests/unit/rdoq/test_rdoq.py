@@ -10,21 +10,11 @@ from sgicodec import EncodeSettings, encode_picture, read
 from sgicodec.bitstream.parts.tile import TileModel
 from sgicodec.decoder.stream import open_stream
 from sgicodec.picture import to_unit
-from sgicodec.rdoq import Objective, RdoqSettings, searched
-from sgicodec.rdoq.objective import joined
+from sgicodec.rdoq import Objective
 
 Stage = Callable[..., tuple[Objective, TileModel]]
 
 PICTURE = Path(__file__).parents[2] / "data" / "kodim23.png"
-
-
-def test_same_model_for_any_number_of_threads(stage: Stage) -> None:
-    models = []
-    for threads in (1, 2):
-        objective, model = stage(height=120, width=130, threads=threads)
-        models.append(searched(objective, model, 1e-3, RdoqSettings(passes=3)))
-    np.testing.assert_array_equal(joined(models[0]), joined(models[1]))
-    np.testing.assert_array_equal(models[0].layout.corner, models[1].layout.corner)
 
 
 def test_streams_cost_less() -> None:

@@ -103,17 +103,6 @@ def test_what_is_found_pays(residual: np.ndarray) -> None:
     assert errors[-1] < 0.01 * nothing
 
 
-def test_any_number_of_threads_finds_the_same(residual: np.ndarray) -> None:
-    one = TextureSearch(residual, Device(1)).at(TextureSteps(340, (18, 18), (2, 3)), PRICE)
-    assert one is not None
-    for threads in (2, 3, 0):
-        other = TextureSearch(residual, Device(threads)).at(TextureSteps(340, (18, 18), (2, 3)), PRICE)
-        assert other is not None
-        assert other.steps == one.steps
-        np.testing.assert_array_equal(other.symbols, one.symbols)
-        np.testing.assert_array_equal(other.log_size, one.log_size)
-
-
 @settings(max_examples=examples(40))
 @given(
     st.integers(1, 4),

@@ -12,8 +12,9 @@ import pytest
 from examples import examples
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from reference_decoder import Bits
 from texture_forger import spelled
-from texture_reader import LOGISTIC, LOGIT, Bits, TextureReader
+from texture_reader import LOGISTIC, LOGIT, TextureReader
 from textures import assert_same, payload_of, random_symbols, read_back, read_texture
 
 from sgicodec import read
