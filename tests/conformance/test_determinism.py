@@ -6,18 +6,16 @@ import json
 import os
 import subprocess
 import sys
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from data_files import crop
 
-from sgicodec import EncodeSettings, Picture, Stream, encode_picture, read
+from sgicodec import EncodeSettings, Picture, Stream, encode_picture
 from sgicodec.decoder.stream import open_stream
 from sgicodec.device import ONE_THREAD, Device
 from sgicodec.metrics.psnr import psnr
-
-PICTURE = Path(__file__).parents[1] / "data" / "kodim23.png"
 
 SETTINGS = {
     "default": EncodeSettings(steps=60),
@@ -31,8 +29,7 @@ SETTINGS = {
 @pytest.fixture(scope="module")
 def picture() -> Picture:
     """192×128 pixels of a photograph."""
-    whole = read(PICTURE)
-    return replace(whole, pixels=np.ascontiguousarray(whole.pixels[128:256, 100:292]))
+    return crop("kodim23", np.s_[128:256, 100:292])
 
 
 @pytest.fixture(scope="module", params=list(SETTINGS))

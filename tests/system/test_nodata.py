@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pytest
+from data_files import crop
 from tags import TIED, geo_of, text
 
-from sgicodec import EncodeSettings, Picture, encode_picture, read
+from sgicodec import EncodeSettings, Picture, encode_picture
 from sgicodec.decoder.stream import open_stream
 from sgicodec.errors import CorruptStreamError
 from sgicodec.metadata.placement import view as geo_view
 from sgicodec.picture import Metadata, nodata_mask
 
-DATA = Path(__file__).parents[1] / "data"
 HEIGHT, WIDTH = 160, 200
 TILES = [0, 128]
 
@@ -26,7 +24,7 @@ def blob(nodata: bytes) -> bytes:
 
 @pytest.fixture(scope="module")
 def pixels() -> np.ndarray:
-    return read(DATA / "kodim23.png").pixels[100 : 100 + HEIGHT, 150 : 150 + WIDTH]
+    return crop("kodim23", np.s_[100 : 100 + HEIGHT, 150 : 150 + WIDTH]).pixels
 
 
 @pytest.fixture(scope="module")

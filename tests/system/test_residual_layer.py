@@ -7,18 +7,18 @@ import math
 import struct
 import zlib
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 import reference_residual
+from data_files import crop
 from numpy.typing import NDArray
 from page_varint import decode_varint
 from pipe import Pipe
 from scenes import ISAS
 from surgery import join, split
 
-from sgicodec import EncodeSettings, Picture, _native, encode_picture, read
+from sgicodec import EncodeSettings, Picture, _native, encode_picture
 from sgicodec.bitstream.header import encode_header
 from sgicodec.bitstream.rewriting import rewrite_stream
 from sgicodec.decoder.stream import open_stream
@@ -28,14 +28,13 @@ from sgicodec.encoder.residual import Layer, residual_layer
 from sgicodec.encoder.residual_grids import residual_form
 from sgicodec.errors import CorruptStreamError, PictureError, StreamError, UsageError
 
-DATA = Path(__file__).parents[1] / "data"
 QUICK = EncodeSettings(steps=20, quality=40, tune="psnr")
 LOSSLESS = replace(QUICK, max_error=0)
 LOSSLESS_ALONE = EncodeSettings(max_error=0)
 
 
 def photo(width: int, height: int) -> NDArray[np.uint8]:
-    return np.ascontiguousarray(read(DATA / "kodim23.png").pixels[:height, :width])
+    return crop("kodim23", np.s_[:height, :width]).pixels
 
 
 def text(width: int, height: int) -> NDArray[np.uint8]:

@@ -9,12 +9,13 @@ from typing import Any
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from data_files import crop
 
 import sgicodec
 from sgicodec.cli.main import cli
 from sgicodec.picture import Picture
 
-PHOTO = sgicodec.read(Path(__file__).parents[1] / "data" / "kodim23.png").pixels[100:292, 180:372]
+PHOTO = crop("kodim23", np.s_[100:292, 180:372]).pixels
 UNIT = PHOTO / 255.0
 
 

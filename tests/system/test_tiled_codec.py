@@ -4,28 +4,26 @@ from __future__ import annotations
 
 import zlib
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
+from data_files import crop
 from page_varint import decode_varint
 
-from sgicodec import Encoded, EncodeSettings, Picture, encode_picture, read
+from sgicodec import Encoded, EncodeSettings, Picture, encode_picture
 from sgicodec.bitstream.container import SIGNATURE
 from sgicodec.decoder.stream import open_stream
 from sgicodec.device import Device
 from sgicodec.errors import CorruptStreamError
 
-DATA = Path(__file__).parents[1] / "data"
 SETTINGS = EncodeSettings(steps=60, tile=128)
 NEAR = 8
 
 
-@pytest.fixture(scope="module", params=["kodim23.png", "kodim13.png"])
+@pytest.fixture(scope="module", params=["kodim23", "kodim13"])
 def coded(request: pytest.FixtureRequest) -> tuple[Picture, Encoded]:
     """336×256 pixels of a smooth picture and of texture, in 3×2 tiles."""
-    picture = read(DATA / request.param)
-    picture = replace(picture, pixels=np.ascontiguousarray(picture.pixels[:256, 64:400]))
+    picture = crop(request.param, np.s_[:256, 64:400])
     return picture, encode_picture(picture, SETTINGS)
 
 

@@ -8,13 +8,11 @@ from typing import Any
 
 import pytest
 from click.testing import Result
+from data_files import PICTURES
 
 from sgicodec.decoder.stream import open_stream
 
 Run = Callable[..., Result]
-
-
-ODD = Path(__file__).parents[2] / "data" / "pictures"
 
 
 def test_an_existing_output_stays(sgi: Run, picture: Path, asked: dict[str, Any]) -> None:
@@ -62,9 +60,9 @@ def test_the_input_is_never_the_output(sgi: Run, picture: Path) -> None:
 
 @pytest.mark.parametrize("name", ["truncated_jpeg.jpg", "xcsn0g01.png", "README.md", "missing.png", "."])
 def test_unreadable_pictures(sgi: Run, tmp_path: Path, name: str) -> None:
-    result = sgi("encode", ODD / name, tmp_path / "out.sgi")
+    result = sgi("encode", PICTURES / name, tmp_path / "out.sgi")
     assert result.exit_code == 3
-    assert result.stderr.startswith(f"sgi: {ODD / name}: ")
+    assert result.stderr.startswith(f"sgi: {PICTURES / name}: ")
     assert result.stderr.count("\n") == 1
     assert list(tmp_path.iterdir()) == []
 
@@ -85,11 +83,11 @@ def test_a_picture_that_was_matched_as_out_is_never_overwritten(sgi: Run, pictur
 def test_a_picture_is_known_by_its_content(sgi: Run, picture: Path, name: str) -> None:
     """Whether it is called a stream, is damaged, or is of a format without a signature."""
     target = picture.with_name("x.sgi")
-    target.write_bytes((ODD / name).read_bytes())
+    target.write_bytes((PICTURES / name).read_bytes())
     result = sgi("encode", picture, target, "-f")
     assert result.exit_code == 2
     assert "it is a picture" in result.stderr
-    assert target.read_bytes() == (ODD / name).read_bytes()
+    assert target.read_bytes() == (PICTURES / name).read_bytes()
     assert sgi("encode", picture, "-f").exit_code == 0  # scene.sgi
 
 

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 from click.testing import Result
+from data_files import ATTACKS
 from sanitizer import needs_plain_memory
 
 import sgicodec
@@ -16,7 +17,6 @@ from sgicodec.cli.limits import DecodeLimits
 from sgicodec.errors import LimitError
 
 Run = Callable[..., Result]
-ATTACKS = Path(__file__).parents[2] / "data" / "attacks"
 
 
 @pytest.mark.parametrize("view", [(), ("--scale", "10"), ("--size", "480x320")])

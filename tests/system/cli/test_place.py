@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import tifffile
 from click.testing import Result
+from data_files import PICTURES
 from PIL import Image
 from tags import TIED, geo_keys, geo_of, rational, shorts, text
 
@@ -18,7 +19,6 @@ from sgicodec.metadata import geo, ifd
 from sgicodec.picture import Metadata, Picture
 
 Run = Callable[..., Result]
-ODD = Path(__file__).parents[2] / "data" / "pictures"
 
 
 @pytest.fixture(scope="module")
@@ -142,7 +142,7 @@ def test_statistics_are_not_those_of_new_pixels(sgi: Run, tmp_path: Path) -> Non
 def test_metadata_that_a_format_does_not_hold_is_named(
     sgi: Run, tmp_path: Path, name: str, extension: str, lost: str | None
 ) -> None:
-    assert sgi("encode", ODD / name, tmp_path / "x.sgi", "--steps", 2).exit_code == 0
+    assert sgi("encode", PICTURES / name, tmp_path / "x.sgi", "--steps", 2).exit_code == 0
     found = sgi("decode", tmp_path / "x.sgi", tmp_path / f"x.{extension}")
     assert found.exit_code == 0
     named = f"sgi: {tmp_path / 'x'}.{extension}: .{extension} does not hold its {lost}; .tif does\n"

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 from click.testing import Result
+from data_files import GOLDEN
 from surgery import join, split
 
 from sgicodec import EncodeSettings, Picture, encode_picture
@@ -14,8 +15,6 @@ from sgicodec.bitstream.container import SIGNATURE
 from sgicodec.decoder.stream import open_stream
 
 Run = Callable[..., Result]
-
-GOLDEN = Path(__file__).parents[2] / "conformance" / "golden"
 
 
 def test_sound(sgi: Run, stream: Path) -> None:

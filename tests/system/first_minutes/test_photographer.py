@@ -17,12 +17,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from data_files import ROOT
 from PIL import Image
 
 import sgicodec
 from sgicodec.server.viewer import missing_decoder, viewer_folder
 
-ROOT = Path(__file__).resolve().parents[3]
 VIEWER = viewer_folder()
 BROWSERS = (os.environ.get("CHROMIUM"), *map(shutil.which, ("chromium", "chromium-browser", "google-chrome")))
 HAS_PAGE = (

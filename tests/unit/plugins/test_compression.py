@@ -11,6 +11,7 @@ import pytest
 import rasterio
 import tifffile
 from click.testing import CliRunner, Result
+from data_files import GOLDEN
 
 import sgicodec
 from sgicodec.cli.main import cli
@@ -21,7 +22,6 @@ from sgicodec.plugins.cog import write_cog
 from sgicodec.plugins.compression import METHODS, Compression
 from sgicodec.plugins.pyramid import write_pyramid
 
-GOLDEN = Path(__file__).parents[2] / "conformance" / "golden"
 PHOTO = GOLDEN / "rgb8-tiles-texture.sgi"
 
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import zarr
 from click.testing import CliRunner, Result
+from data_files import GOLDEN
 
 import sgicodec
 from sgicodec.cli.main import cli
@@ -18,8 +19,6 @@ from sgicodec.metadata.gdal_items import band_facts, named_bands
 from sgicodec.metadata.stacks import resolution_tags
 from sgicodec.picture import Metadata, Picture
 from sgicodec.plugins.ome_zarr import write_ome_zarr
-
-GOLDEN = Path(__file__).parents[2] / "conformance" / "golden"
 
 
 def run(*arguments: object) -> Result:

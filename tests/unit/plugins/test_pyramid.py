@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import tifffile
 from click.testing import CliRunner, Result
+from data_files import GOLDEN
 from PIL import ImageCms
 
 import sgicodec
@@ -20,7 +21,6 @@ from sgicodec.picture import Metadata, Picture
 from sgicodec.plugins.ome_name import is_ome_name
 from sgicodec.plugins.pyramid import write_pyramid
 
-GOLDEN = Path(__file__).parents[2] / "conformance" / "golden"
 WIDTH, HEIGHT = 520, 300
 
 

@@ -1,12 +1,11 @@
-"""The search as a whole: it is the same for any number of threads, and streams show what it promised."""
+"""The search as a whole: streams show what it promised."""
 
 from collections.abc import Callable
-from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
+from data_files import crop
 
-from sgicodec import EncodeSettings, encode_picture, read
+from sgicodec import EncodeSettings, encode_picture
 from sgicodec.bitstream.parts.tile import TileModel
 from sgicodec.decoder.stream import open_stream
 from sgicodec.picture import to_unit
@@ -14,13 +13,10 @@ from sgicodec.rdoq import Objective
 
 Stage = Callable[..., tuple[Objective, TileModel]]
 
-PICTURE = Path(__file__).parents[2] / "data" / "kodim23.png"
-
 
 def test_streams_cost_less() -> None:
     """Of a fitted photograph, from what is on disk and what is decoded: J falls by more than two in a hundred."""
-    whole = read(PICTURE)
-    picture = replace(whole, pixels=np.ascontiguousarray(whole.pixels[128:256, 100:292]))
+    picture = crop("kodim23", np.s_[128:256, 100:292])
     unit, lmbda = to_unit(picture), 0.004
     costs = []
     for has_rdoq in (False, True):

@@ -11,6 +11,7 @@ import fsspec
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from data_files import GOLDEN
 from fsspec.implementations.memory import MemoryFile
 from range_server import served
 
@@ -18,8 +19,6 @@ import sgicodec
 from sgicodec.cli.main import cli
 from sgicodec.errors import PictureError, StreamError, UsageError
 from sgicodec.remote.upload import Upload, check_writable, send
-
-GOLDEN = Path(__file__).parents[2] / "conformance" / "golden"
 
 
 @pytest.fixture

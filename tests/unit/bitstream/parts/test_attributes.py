@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 import pytest
+from data_files import GOLDEN
 from page_attributes import PageAttributes, Seed
 from reference_decoder import ROUNDING
 from surgery import split
@@ -30,8 +30,6 @@ from sgicodec.model.quantization import DEAD_ZONE_LIMIT
 from sgicodec.model.spec import ModelSpec
 from sgicodec.model.steps import default_plan, follows_amplitude
 from sgicodec.profiles.default import default_spec
-
-GOLDEN = Path(__file__).parents[3] / "conformance" / "golden"
 
 
 @cache
