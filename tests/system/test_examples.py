@@ -10,11 +10,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from command import sgi
 from data_files import ROOT, crop
 
 from sgicodec import read, write
-from sgicodec.cli.main import cli
 
 README, API, PLUGINS = (ROOT / name for name in ("README.md", "docs/api.md", "docs/plugins.md"))
 SECTIONS = ("First file", "Choose the quality", "Many pictures", "Look at a part")
@@ -65,7 +64,7 @@ def test_commands_of_the_readme(folder: Path) -> None:
             for word in shlex.split(command)[1:]
             for path in (sorted(str(path) for path in Path().glob(word)) if "*" in word else [word])
         ]
-        result = CliRunner().invoke(cli, arguments)
+        result = sgi(*arguments)
         assert result.exit_code == 0, f"{command}: {result.output}"
     assert read(folder / "eye.png").width == 160
     assert read(folder / "small.png").width == 64

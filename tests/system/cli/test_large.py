@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any, BinaryIO
 
 import pytest
-from click.testing import Result
+from command import sgi
 
 from sgicodec import read
 from sgicodec.decoder.stream import open_stream
@@ -18,19 +17,18 @@ from sgicodec.encoder.tile.state import Tile
 from sgicodec.encoder.tiles import tasks
 from sgicodec.files.lock import locked
 
-Run = Callable[..., Result]
 OPTIONS = ("--tile", 32, "--steps", 4, "-j", 1)
 
 
 @pytest.fixture
-def tiled(sgi: Run, picture: Path) -> Path:
+def tiled(picture: Path) -> Path:
     """scene.png in four tiles."""
     result = sgi("encode", picture, *OPTIONS, "--quiet")
     assert result.exit_code == 0, result.output
     return picture.with_suffix(".sgi")
 
 
-def test_report_and_info(sgi: Run, picture: Path, tmp_path: Path) -> None:
+def test_report_and_info(picture: Path, tmp_path: Path) -> None:
     result = sgi("encode", picture, tmp_path / "a.sgi", *OPTIONS, "--json")
     report, size = json.loads(result.stdout), (tmp_path / "a.sgi").stat().st_size
     assert report["tiles"] == 2
@@ -45,7 +43,7 @@ def test_report_and_info(sgi: Run, picture: Path, tmp_path: Path) -> None:
     assert sgi("verify", tmp_path / "a.sgi").stdout.endswith(f"symbols {facts['symbol_crc']}\n")
 
 
-def test_an_overview_on_request(sgi: Run, picture: Path, tmp_path: Path) -> None:
+def test_an_overview_on_request(picture: Path, tmp_path: Path) -> None:
     plain, with_one = (tmp_path / name for name in ("plain.sgi", "with.sgi"))
     assert sgi("encode", picture, plain, *OPTIONS).exit_code == 0
     report = json.loads(sgi("encode", picture, with_one, *OPTIONS, "--overview", "--json").stdout)
@@ -66,7 +64,7 @@ def test_an_overview_on_request(sgi: Run, picture: Path, tmp_path: Path) -> None
 
 
 def test_interrupt_keeps_what_is_done(
-    sgi: Run, picture: Path, tiled: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    picture: Path, tiled: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     fit, fitted = tasks.encode, []
 
@@ -94,7 +92,7 @@ def test_interrupt_keeps_what_is_done(
 
 
 @pytest.mark.parametrize(("tile", "also"), [(0, []), (0, ["-f"]), (32, []), (32, ["-f"]), (32, ["--resume"])])
-def test_two_encodes_to_one_out(sgi: Run, picture: Path, tmp_path: Path, also: list[str], tile: int) -> None:
+def test_two_encodes_to_one_out(picture: Path, tmp_path: Path, also: list[str], tile: int) -> None:
     """The second is refused at once, and told who writes; the first ends well."""
     pytest.importorskip("fcntl")
     out = tmp_path / "a.sgi"
@@ -108,7 +106,7 @@ def test_two_encodes_to_one_out(sgi: Run, picture: Path, tmp_path: Path, also: l
 
 
 @pytest.mark.parametrize("tile", [0, 32])
-def test_too_little_memory_is_refused(sgi: Run, picture: Path, tmp_path: Path, tile: int) -> None:
+def test_too_little_memory_is_refused(picture: Path, tmp_path: Path, tile: int) -> None:
     result = sgi("encode", picture, tmp_path / "a.sgi", "--tile", tile, "--steps", 1, "--max-memory", "100MiB")
     assert (result.exit_code, list(tmp_path.glob("*a.sgi*"))) == (2, [])
     assert "MiB, more than --max-memory; a smaller --tile takes less" in result.stderr
@@ -118,7 +116,7 @@ def test_too_little_memory_is_refused(sgi: Run, picture: Path, tmp_path: Path, t
 
 @pytest.mark.parametrize("tile", [0, 32])
 def test_a_stream_that_does_not_decode_gets_no_name(
-    sgi: Run, picture: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, tile: int
+    picture: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, tile: int
 ) -> None:
     """It is verified first: the old OUT is still there."""
     real = pipeline._write
