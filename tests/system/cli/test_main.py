@@ -50,7 +50,7 @@ def test_help_is_small_and_help_all_is_not(command: str) -> None:
     small, whole = sgi(command, "--help").stdout, sgi(command, "--help-all").stdout
     for other in (("--help", "-v"), ("-v", "-h"), ("-h", "--verbose")):
         assert sgi(command, *other).stdout == whole
-    shown, every = (set(re.findall(r"^  (?:-\w)?(--[a-z0-9-]+)", text, re.MULTILINE)) for text in (small, whole))
+    shown, every = (set(re.findall(r"^  (?:-\w, )?(--[a-z0-9-]+)", text, re.MULTILINE)) for text in (small, whole))
     assert len(shown - {"--verbose", "--help", "--help-all"}) <= 10
     found = cli.get_command(click.Context(cli), command)
     assert found is not None
