@@ -1,17 +1,11 @@
 """The search as a whole: streams show what it promised."""
 
-from collections.abc import Callable
-
 import numpy as np
 from data_files import crop
 
 from sgicodec import EncodeSettings, encode_picture
-from sgicodec.bitstream.parts.tile import TileModel
 from sgicodec.decoder.stream import open_stream
 from sgicodec.picture import to_unit
-from sgicodec.rdoq import Objective
-
-Stage = Callable[..., tuple[Objective, TileModel]]
 
 
 def test_streams_cost_less() -> None:
