@@ -7,13 +7,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from fake_cuda import backwards, fake_gpu
+from fake_cuda import backwards, fake_gpu, only_gpu
 from scenes import ISAS
 
 from sgicodec.device import ONE_THREAD, Device
 from sgicodec.fit.context_weights import ContextWeights
 from sgicodec.fit.device_feature_step import DeviceFeatureStep
 from sgicodec.fit.feature_step import FeatureStep
+from sgicodec.fit.gradient_steps import gradient_step_of
 from sgicodec.fit.noise import NoiseKey, hashed_noise
 from sgicodec.fit.parameters import Parameters, StepResult
 from sgicodec.fit.pyramid import levels_of
@@ -104,6 +105,25 @@ def test_against_automatic_differentiation(
     found, expected = (step.run(problem.parameters, rounding, 3, problem.levels[level], lmbda) for step in steps)
     assert_close(found, expected)
     np.testing.assert_allclose(steps[0].seed_bits(), steps[1].seed_bits(), rtol=1e-3, atol=1e-3)
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_of_many_seeds_the_bits_of_a_few_count(backend: str) -> None:
+    """Where a value lies far out, its own gradient is that of few bits of float32."""
+    problem = Problem(SPEC, 2500)
+    steps = problem.step(backend), problem.autograd(backend)
+    results = [step.run(problem.parameters, "noise", 3, problem.levels[0], LMBDA) for step in steps]
+    for result in results:
+        for name in ("offset", "context.tables"):
+            del result.gradients[name]
+    assert_close(*results)
+
+
+def test_a_fit_is_on_the_gpu_that_was_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    """But for five channels, which its kernels do not have."""
+    settings, device = paper_settings(LMBDA, 3, 500), only_gpu(monkeypatch)
+    for spec, expected in ((SPEC, DeviceFeatureStep), (paper_spec(5), FeatureStep)):
+        assert type(gradient_step_of(spec, settings, NativeRasterizer(device), (9, 9), 0, device)) is expected
 
 
 def equal(found: StepResult, expected: StepResult) -> None:

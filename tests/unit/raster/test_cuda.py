@@ -57,6 +57,8 @@ def test_a_cutoff_is_the_same_forward_and_backward() -> None:
         alone = tuple(array[i : i + 1] for array in (scene[0], scene[1], np.ones((20, 1), np.float32)))
         image = CudaRasterizer(fake_gpu()).forward(*alone, 40, 30).astype(np.float64)
         assert slopes[i] == pytest.approx(float((image * grad).sum()), rel=1e-4, abs=1e-4)
+    with pytest.raises(ValueError, match="forward"):
+        raster.backward(*scene, grad[:, 1:].copy())
 
 
 def test_no_thread_waits_for_what_another_does_in_the_same_phase() -> None:

@@ -31,3 +31,5 @@ def test_each_goes_that_costs_less_than_its_price(weighted: bool) -> None:
     found = without_pruned_seeds(objective, model, objective.residual(model), price)
     np.testing.assert_array_equal(joined(found), joined(model)[keep])
     np.testing.assert_array_equal(found.layout.corner, model.layout.corner[keep])
+    last = without_pruned_seeds(objective, model, objective.residual(model), np.full(len(price), 1e6))
+    assert len(last.layout) == 1
