@@ -7,19 +7,17 @@ import signal
 import sys
 import time
 from collections.abc import Iterator
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from children import end_children
 from clock import Clock
+from data_files import crop
 from hypothesis import HealthCheck
 from hypothesis import settings as hypothesis_settings
 
-from sgicodec import EncodeSettings, imwrite, read, write
-
-DATA = Path(__file__).parent / "data"
+from sgicodec import EncodeSettings, imwrite, write
 
 # Workers of pytest-xdist share the processors: a pool of threads in each would only wait for the others.
 os.environ.setdefault("OMP_NUM_THREADS", "1")
@@ -69,9 +67,8 @@ def settings() -> EncodeSettings:
 @pytest.fixture(scope="session")
 def photo(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A file of 150×100 pixels of a photograph: six small tiles."""
-    picture = read(DATA / "kodim23.png")
     path = tmp_path_factory.mktemp("photo") / "photo.png"
-    write(replace(picture, pixels=np.ascontiguousarray(picture.pixels[180:280, 100:250])), path)
+    write(crop("kodim23", np.s_[180:280, 100:250]), path)
     return path
 
 

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pytest
+from data_files import GOLDEN
 from exact_pixels import View, drawn_tile, restored
 
 from sgicodec.decoder.stream import open_stream
 
-GOLDEN = Path(__file__).parent / "golden"
 STREAMS = sorted(path.stem for path in GOLDEN.glob("*.sgi") if "tiles" not in path.stem)
 QUICK = {"gray16-texture", "gray8-alpha", "multi16-bands", "one-pixel", "paper-rgb8", "rgb8-any-colours", "rgb8-luma"}
 

@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 import json
-import subprocess
-import sys
 from pathlib import Path
 
-from children import HANGS
-from sanitizer import needs_plain_memory
+from little_memory import printed
 
 __all__ = ["PROMISED", "within"]
 
@@ -48,10 +45,6 @@ print(json.dumps(found))
 
 def within(path: Path, warm: Path, *names: str, more: int = PROMISED) -> dict[str, object]:
     """What became of each look at a stream, within `more` bytes beyond what a look at the sound stream `warm` took."""
-    needs_plain_memory()
     code = READER.format(path=str(path), warm=str(warm), names=names, more=more)
-    environment = {"OPENBLAS_NUM_THREADS": "1", "PYTHONWARNINGS": "error", "PYTHONPATH": ":".join(sys.path)}
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=HANGS, env=environment)
-    assert (done.returncode, done.stderr) == (0, "")
-    result: dict[str, object] = json.loads(done.stdout)
+    result: dict[str, object] = json.loads(printed(code))
     return result

@@ -15,7 +15,7 @@ import urllib.request
 from pathlib import Path
 
 TESTS = Path(__file__).resolve().parents[1]
-CHOSEN = ("conformance/golden", "conformance/test_instruction_sets.py", "unit/bitstream/test_container.py")
+CHOSEN = ("conformance/golden", "conformance/test_suite.py", "unit/bitstream/test_container.py")
 COMMANDS = (
     ("encode", "tests/data/pictures/hopper_gray.jpg", "one.sgi", "-e", "1", "-q", "20", "--quiet"),
     ("decode", "one.sgi", "one.png", "--quiet"),

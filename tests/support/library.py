@@ -13,11 +13,19 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pytest
+from data_files import GOLDEN, ROOT
 from numpy.typing import NDArray
 
-__all__ = ["ROOT", "SAMPLES", "SIZE_UNKNOWN", "Info", "Library", "LibraryError", "Options", "View", "installed"]
+__all__ = [
+    *("NEEDS_COMPILER", "ROOT", "SAMPLES", "SIZE_UNKNOWN", "Info", "Library", "LibraryError", "Options", "View"),
+    *("golden", "installed"),
+]
 
-ROOT = Path(__file__).resolve().parents[2]
+NEEDS_COMPILER = [
+    pytest.mark.slow,
+    pytest.mark.skipif(not shutil.which("cmake") or not shutil.which("cc"), reason="needs cmake and a C compiler"),
+]
 SAMPLES = ("uint8", "uint16", "float32")
 SIZE_UNKNOWN = 2**64 - 1
 STATUS = (
@@ -27,6 +35,11 @@ STATUS = (
 
 Read = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_void_p, ctypes.c_uint64, ctypes.c_void_p, ctypes.c_size_t)
 Proceed = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p)
+
+
+def golden(name: str) -> bytes:
+    """A golden stream."""
+    return (GOLDEN / f"{name}.sgi").read_bytes()
 
 
 def installed(name: str, **settings: str) -> Path:

@@ -6,7 +6,7 @@ import struct
 
 from sgicodec.metadata import geo, ifd
 
-__all__ = ["TIED", "doubles", "exif_of", "geo_keys", "geo_of", "rational", "shorts", "text"]
+__all__ = ["TIED", "doubles", "exif_blob", "exif_of", "geo_keys", "geo_of", "rational", "shorts", "text"]
 
 
 def doubles(*values: float) -> ifd.Entry:
@@ -44,3 +44,12 @@ def geo_of(tags: dict[int, ifd.Entry]) -> bytes:
 def exif_of(tags: ifd.Directory) -> bytes:
     """An EXIF blob."""
     return b"II*\0\x08\0\0\0" + ifd.dump(tags, 8)
+
+
+def exif_blob(orientation: int = 6, order: str = "<") -> bytes:
+    """An EXIF blob by hand: a maker, an orientation, and an EXIF directory with a lens model."""
+    rows = [(271, 2, 6, 50), (274, 3, 1, orientation if order == "<" else orientation << 16), (34665, 4, 1, 56)]
+    head = (b"II*\0" if order == "<" else b"MM\0*") + struct.pack(order + "IH", 8, len(rows))
+    table = b"".join(struct.pack(order + "HHII", *row) for row in rows)
+    lens = struct.pack(order + "HHHI4sI", 1, 42036, 2, 4, b"50m\0", 0)
+    return head + table + bytes(4) + b"Maker\0" + lens

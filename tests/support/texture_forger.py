@@ -5,7 +5,8 @@ from __future__ import annotations
 from contextlib import suppress
 
 import numpy as np
-from texture_reader import Bits, TextureReader
+from reference_decoder import Bits
+from texture_reader import TextureReader
 
 from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
 

@@ -7,7 +7,9 @@ import zlib
 from importlib.resources import files
 from typing import NamedTuple
 
-__all__ = ["Bits", "Cell", "TextureReader"]
+from reference_decoder import Bits
+
+__all__ = ["Cell", "TextureReader"]
 
 MODELS, SETS = 54668 + 44544, 488 + 456
 AFTER = [(0, 1), (3, 2), (5, 4), (6, 7), (1, 0), (2, 3), (4, 5), (7, 6)]
@@ -22,55 +24,6 @@ class Cell(NamedTuple):
     x: int
     y: int
     side: int
-
-
-class Bits:
-    """Section "Range coder": the payload's bits and raw values."""
-
-    def __init__(self, payload: bytes) -> None:
-        self.payload, self.at = payload, 0
-        self.range, self.offset = 2**64 - 1, self.word() << 32 | self.word()
-        self.crc = 0
-
-    def word(self) -> int:
-        self.at += 4
-        return int.from_bytes(self.payload[self.at - 4 : self.at].ljust(4, b"\0"), "big")
-
-    def take(self, scale: int, below: int, frequency: int) -> None:
-        self.offset -= scale * below
-        self.range = scale * frequency
-        assert self.offset < self.range
-        if self.range < 2**32:
-            self.range <<= 32
-            self.offset = self.offset << 32 | self.word()
-
-    def bit(self, one: int) -> int:
-        """A bit that is 1 with a probability of one / 2^16."""
-        scale, zero = self.range >> 24, 2**24 - 256 * one
-        if self.offset // scale < zero:
-            self.take(scale, 0, zero)
-            return 0
-        self.take(scale, zero, 256 * one)
-        return 1
-
-    def raw(self, n_bits: int) -> int:
-        """A value of at most 16 bits."""
-        scale = self.range >> 24
-        value = self.offset // scale >> 24 - n_bits
-        self.take(scale, value << 24 - n_bits, 1 << 24 - n_bits)
-        return self.note(value)
-
-    def note(self, value: int) -> int:
-        """Enters the check."""
-        self.crc = zlib.crc32(value.to_bytes(4, "little", signed=True), self.crc)
-        return value
-
-    def ends_well(self) -> bool:
-        """Whether the check is right and nothing is left."""
-        crc = self.crc
-        written = self.raw(16) << 16
-        written |= self.raw(16)
-        return written == crc and self.at >= len(self.payload) and self.offset < 2**33 - 1
 
 
 class TextureReader:

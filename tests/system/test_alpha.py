@@ -6,13 +6,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from data_files import crop
 from tags import TIED, geo_of, text
 
-from sgicodec import EncodeSettings, NullListener, Picture, encode_picture, open_source, read, write
+from sgicodec import EncodeSettings, NullListener, Picture, encode_picture, open_source, write
 from sgicodec.decoder.stream import open_stream
 from sgicodec.picture import Metadata, full_range
 
-DATA = Path(__file__).parents[1] / "data"
 TILES = [0, 64]
 
 
@@ -32,7 +32,7 @@ class Notes(NullListener):
 
 @pytest.fixture(scope="module")
 def colours() -> np.ndarray:
-    return read(DATA / "kodim23.png").pixels[100:180, 150:250]
+    return crop("kodim23", np.s_[100:180, 150:250]).pixels
 
 
 def with_alpha(colours: np.ndarray, alpha: int) -> np.ndarray:

@@ -10,8 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
-ROOT = Path(__file__).parents[2]
+from data_files import ROOT
 
 
 @pytest.fixture(scope="module")

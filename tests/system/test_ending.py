@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from data_files import crop
 
-from sgicodec import EncodeSettings, NullListener, Picture, encode_picture, read
+from sgicodec import EncodeSettings, NullListener, Picture, encode_picture
 from sgicodec.decoder.stream import open_stream
 from sgicodec.fit.trainer import Progress
 from sgicodec.rdoq import rdoq
-
-DATA = Path(__file__).parents[1] / "data"
 
 
 class Ending(NullListener):
@@ -45,7 +43,7 @@ def passes(monkeypatch: pytest.MonkeyPatch) -> list[float]:
 
 @pytest.fixture(scope="module")
 def picture() -> Picture:
-    return Picture(read(DATA / "kodim23.png").pixels[100:164, 150:246], "rgb", (0.0, 255.0))
+    return crop("kodim23", np.s_[100:164, 150:246])
 
 
 @pytest.mark.parametrize("step", [3, None])

@@ -13,13 +13,13 @@ import numpy as np
 import pytest
 import rasterio
 import tifffile
+from data_files import ROOT
 from PIL import Image
 from rasterio.transform import from_origin
 
 import sgicodec
 from sgicodec.server.viewer import missing_decoder, viewer_folder
 
-ROOT = Path(__file__).parents[2]
 EXAMPLES = ROOT / "examples"
 VIEWER = viewer_folder()
 assert VIEWER is not None

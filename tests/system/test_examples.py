@@ -6,19 +6,16 @@ import contextlib
 import io
 import re
 import shlex
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from command import sgi
+from data_files import ROOT, crop
 
 from sgicodec import read, write
-from sgicodec.cli.main import cli
 
-ROOT = Path(__file__).parents[2]
 README, API, PLUGINS = (ROOT / name for name in ("README.md", "docs/api.md", "docs/plugins.md"))
-PHOTO = ROOT / "tests" / "data" / "kodim23.png"
 SECTIONS = ("First file", "Choose the quality", "Many pictures", "Look at a part")
 """Those of README.md whose commands fit a small picture."""
 
@@ -26,8 +23,7 @@ SECTIONS = ("First file", "Choose the quality", "Many pictures", "Look at a part
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A working folder with the files that examples read."""
-    photo = read(PHOTO)
-    write(replace(photo, pixels=np.ascontiguousarray(photo.pixels[200:264, 100:196])), tmp_path / "photo.png")
+    write(crop("kodim23", np.s_[200:264, 100:196]), tmp_path / "photo.png")
     monkeypatch.chdir(tmp_path)
     return tmp_path
 
@@ -68,7 +64,7 @@ def test_commands_of_the_readme(folder: Path) -> None:
             for word in shlex.split(command)[1:]
             for path in (sorted(str(path) for path in Path().glob(word)) if "*" in word else [word])
         ]
-        result = CliRunner().invoke(cli, arguments)
+        result = sgi(*arguments)
         assert result.exit_code == 0, f"{command}: {result.output}"
     assert read(folder / "eye.png").width == 160
     assert read(folder / "small.png").width == 64

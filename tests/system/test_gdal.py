@@ -6,14 +6,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from data_files import GOLDEN
 from gdal_programs import NEEDS_GDAL, Run, info, pixels
-from library import ROOT
 
 import sgicodec
 
 pytestmark = NEEDS_GDAL
-
-GOLDEN = ROOT / "tests" / "conformance" / "golden"
 
 
 NAMES = (

@@ -1,17 +1,13 @@
 """What a short fit of the paper profile reaches, and that its stream keeps what the fit had."""
 
-from dataclasses import replace
-from pathlib import Path
-
 import numpy as np
+from data_files import crop
 
-from sgicodec import EncodeSettings, encode_picture, read
+from sgicodec import EncodeSettings, encode_picture
 from sgicodec.decoder.stream import open_stream
 from sgicodec.encoder.progress import NullListener
 from sgicodec.fit.trainer import Progress
 from sgicodec.metrics.psnr import psnr
-
-DATA = Path(__file__).parents[1] / "data"
 
 
 class Watch(NullListener):
@@ -29,8 +25,7 @@ class Watch(NullListener):
 
 def fitted(**settings: object) -> tuple[float, int, Watch]:
     """PSNR of what is decoded, bytes, and the steps of a fit of 2,400 Gaussians, one for 10 pixels."""
-    whole, watch = read(DATA / "kodim23.png"), Watch()
-    picture = replace(whole, pixels=np.ascontiguousarray(whole.pixels[160:288, 80:272]))
+    picture, watch = crop("kodim23", np.s_[160:288, 80:272]), Watch()
     asked = EncodeSettings(profile="paper", steps=300, seeds=240, **settings)  # type: ignore[arg-type]
     data = encode_picture(picture, asked, progress=watch).data
     return psnr(picture.pixels, open_stream(data).picture().pixels), len(data), watch

@@ -7,17 +7,18 @@ import math
 import struct
 import zlib
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 import reference_residual
+from data_files import crop
 from numpy.typing import NDArray
 from page_varint import decode_varint
+from pipe import Pipe
 from scenes import ISAS
 from surgery import join, split
 
-from sgicodec import EncodeSettings, Picture, _native, encode_picture, read
+from sgicodec import EncodeSettings, Picture, _native, encode_picture
 from sgicodec.bitstream.header import encode_header
 from sgicodec.bitstream.rewriting import rewrite_stream
 from sgicodec.decoder.stream import open_stream
@@ -27,14 +28,13 @@ from sgicodec.encoder.residual import Layer, residual_layer
 from sgicodec.encoder.residual_grids import residual_form
 from sgicodec.errors import CorruptStreamError, PictureError, StreamError, UsageError
 
-DATA = Path(__file__).parents[1] / "data"
 QUICK = EncodeSettings(steps=20, quality=40, tune="psnr")
 LOSSLESS = replace(QUICK, max_error=0)
 LOSSLESS_ALONE = EncodeSettings(max_error=0)
 
 
 def photo(width: int, height: int) -> NDArray[np.uint8]:
-    return np.ascontiguousarray(read(DATA / "kodim23.png").pixels[:height, :width])
+    return crop("kodim23", np.s_[:height, :width]).pixels
 
 
 def text(width: int, height: int) -> NDArray[np.uint8]:
@@ -297,10 +297,6 @@ def test_a_region_alone(wide: Picture, exact: bytes) -> None:
 
 
 def test_from_a_source_that_cannot_seek(wide: Picture, exact: bytes) -> None:
-    class Pipe(io.BytesIO):
-        def seekable(self) -> bool:
-            return False
-
     with open_stream(Pipe(exact)) as stream:
         np.testing.assert_array_equal(stream.picture().pixels, wide.pixels)
 
@@ -319,13 +315,6 @@ def test_other_views_are_the_lossy_pictures(exact: bytes) -> None:
             np.testing.assert_array_equal(stream.picture(**view).pixels, plain.picture(**view).pixels)
         stream.lossy = True
         np.testing.assert_array_equal(stream.picture().pixels, plain.picture().pixels)
-
-
-@pytest.mark.parametrize("isa", ISAS)
-@pytest.mark.parametrize("threads", [1, 3])
-def test_on_every_instruction_set(wide: Picture, exact: bytes, isa: str, threads: int) -> None:
-    with open_stream(exact, Device(threads, isa)) as stream:
-        np.testing.assert_array_equal(stream.picture().pixels, wide.pixels)
 
 
 def test_it_is_taken_off_and_added_again(wide: Picture, exact: bytes) -> None:

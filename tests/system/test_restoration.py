@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
+from data_files import crop
 from restoration_reader import corrected
 
-from sgicodec import EncodeSettings, Picture, encode_picture, read
+from sgicodec import EncodeSettings, Picture, encode_picture
 from sgicodec.bitstream.parts.tile import write_tile
 from sgicodec.bitstream.parts.tile_chunk import encode_tile_chunk
 from sgicodec.bitstream.stream_writer import write_stream
@@ -17,25 +17,23 @@ from sgicodec.decoder.stream import Stream, open_stream
 from sgicodec.model.luma_space import from_luma_space, to_luma_space
 from sgicodec.rdoq.objective import with_values
 
-PHOTO = Path(__file__).parents[1] / "data" / "kodim13.png"
 QUICK = EncodeSettings(quality=45, steps=60, tune="psnr")
 
 
 @pytest.fixture(scope="module")
-def crop() -> Picture:
-    photo = read(PHOTO)
-    return replace(photo, pixels=np.ascontiguousarray(photo.pixels[300:428, 80:280]))
+def photo() -> Picture:
+    return crop("kodim13", np.s_[300:428, 80:280])
 
 
 @pytest.fixture(scope="module")
-def streams(crop: Picture) -> dict[str, bytes]:
+def streams(photo: Picture) -> dict[str, bytes]:
     kinds = {
         "psnr": QUICK,
         "visual": replace(QUICK, tune="visual"),
         "tiled": replace(QUICK, tile=100),
         "plain": replace(QUICK, restoration=False),
     }
-    return {name: encode_picture(crop, settings).data for name, settings in kinds.items()}
+    return {name: encode_picture(photo, settings).data for name, settings in kinds.items()}
 
 
 def unrestored(stream: Stream) -> bytes:
@@ -71,10 +69,10 @@ def test_pixels_are_what_the_page_says(streams: dict[str, bytes], name: str) -> 
     assert np.mean(np.abs(found - (drawn + added)) > 1e-4) < 0.05
 
 
-def test_it_brings_pixels_nearer(crop: Picture, streams: dict[str, bytes]) -> None:
+def test_it_brings_pixels_nearer(photo: Picture, streams: dict[str, bytes]) -> None:
     restored, plain = (open_stream(streams[name]).picture() for name in ("psnr", "plain"))
     assert len(streams["psnr"]) < 1.01 * len(streams["plain"])
-    errors = [np.square(one.pixels.astype(float) - crop.pixels).mean() for one in (restored, plain)]
+    errors = [np.square(one.pixels.astype(float) - photo.pixels).mean() for one in (restored, plain)]
     assert errors[0] < 0.97 * errors[1]
 
 

@@ -8,13 +8,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from command import sgi
+from data_files import crop
 
 import sgicodec
-from sgicodec.cli.main import cli
 from sgicodec.picture import Picture
 
-PHOTO = sgicodec.read(Path(__file__).parents[1] / "data" / "kodim23.png").pixels[100:292, 180:372]
+PHOTO = crop("kodim23", np.s_[100:292, 180:372]).pixels
 UNIT = PHOTO / 255.0
 
 
@@ -119,7 +119,7 @@ def test_the_command_line_chooses_a_range(tmp_path: Path, choice: str | None, ex
     picture = Picture(scaled(3000), "rgb", (0.0, 65535.0))
     sgicodec.write(picture, tmp_path / "in.png")
     given = [] if choice is None else ["--range", choice]
-    found = CliRunner().invoke(cli, ["encode", str(tmp_path / "in.png"), "-e", "1", *given])
+    found = sgi("encode", tmp_path / "in.png", "-e", 1, *given)
     assert found.exit_code == 0
     assert sgicodec.open(tmp_path / "in.sgi").header.sample_range == expected
     assert f"dB of the range {expected[0]:g} to {expected[1]:g}" in found.output

@@ -1,28 +1,24 @@
-"""Encodes that end at a size, a PSNR or a time: a real crop in few steps, and pictures at the edge."""
+"""Encodes that end at a size, a PSNR or a time: a crop in few steps, pictures at the edge, all tiles together."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
+from data_files import crop
 
-from sgicodec import Encoded, EncodeSettings, Picture, encode_picture, read
+from sgicodec import Encoded, EncodeSettings, Picture, encode_picture
 from sgicodec.decoder.stream import open_stream
 from sgicodec.errors import TargetMissedError, UsageError
 from sgicodec.metrics.psnr import psnr
 from sgicodec.picture import Metadata, comparable
 
-DATA = Path(__file__).parents[1] / "data"
-CROP = (slice(128, 320), slice(96, 352))
 
-
-@pytest.fixture(scope="module", params=["kodim23.png", "kodim13.png"])
-def crop(request: pytest.FixtureRequest) -> Picture:
-    picture = read(DATA / request.param)
-    return replace(picture, pixels=np.ascontiguousarray(picture.pixels[CROP]))
+@pytest.fixture(scope="module", params=["kodim23", "kodim13"])
+def photo(request: pytest.FixtureRequest) -> Picture:
+    return crop(request.param, np.s_[128:320, 96:352])
 
 
 def quality(picture: Picture, encoded: Encoded) -> float:
@@ -31,9 +27,9 @@ def quality(picture: Picture, encoded: Encoded) -> float:
     return psnr(comparable(picture), comparable(decoded))
 
 
-def test_size_and_metadata(crop: Picture) -> None:
+def test_size_and_metadata(photo: Picture) -> None:
     """Metadata counts, and is known of from the start: the fit ends near the size, not by the last search alone."""
-    with_blob = replace(crop, metadata=Metadata(xmp=b"<x/>" * 1000))
+    with_blob = replace(photo, metadata=Metadata(xmp=b"<x/>" * 1000))
     encoded = encode_picture(with_blob, EncodeSettings(size=7000, steps=150))
     assert 0.97 * 7000 <= len(encoded.data) <= 7000
     lean = encode_picture(with_blob, EncodeSettings(size=3000, metadata=False, steps=150))
@@ -48,19 +44,19 @@ def test_decibels_of_a_stream_of_hundred_bytes(corner: tuple[int, int], asked: f
     """Where a single symbol of texture moves the PSNR up or down by more than the tolerance. The first crop cannot have
     less than 28.3 dB.
     """
-    picture, (top, left) = read(DATA / "kodim23.png"), corner
-    small = replace(picture, pixels=np.ascontiguousarray(picture.pixels[top : top + 96, left : left + 128]))
+    top, left = corner
+    small = crop("kodim23", np.s_[top : top + 96, left : left + 128])
     encoded = encode_picture(small, EncodeSettings(psnr=asked, effort=1))
     assert quality(small, encoded) == pytest.approx(asked, abs=0.1)
 
 
-def test_an_impossible_size_gives_the_nearest_stream(crop: Picture) -> None:
+def test_an_impossible_size_gives_the_nearest_stream(photo: Picture) -> None:
     with pytest.raises(TargetMissedError, match="at most 90 bytes") as caught:
-        encode_picture(crop, EncodeSettings(size=90, steps=60))
+        encode_picture(photo, EncodeSettings(size=90, steps=60))
     nearest = caught.value.nearest
     assert f"the smallest has {len(nearest.data)}" in str(caught.value)
     assert len(nearest.data) < 700
-    assert quality(crop, nearest) > 8
+    assert quality(photo, nearest) > 8
 
 
 def test_an_impossible_psnr_gives_the_nearest_stream() -> None:
@@ -136,3 +132,33 @@ def test_pictures_at_the_edge(picture: Picture, target: dict[str, float]) -> Non
 def test_settings_that_make_no_sense(choices: dict[str, float], complaint: str) -> None:
     with pytest.raises(UsageError, match=complaint):
         EncodeSettings(**choices)  # type: ignore[arg-type]
+
+
+TILED = EncodeSettings(steps=40, tile=96, tune="psnr")
+GEO_WITH_NODATA_0 = bytes.fromhex("49492a00 08000000 0100 81a40200 02000000 30000000 00000000")
+
+
+def test_tiles_that_differ_and_metadata() -> None:
+    """A flat half and a busy one: the size holds for both together, whatever else the stream keeps."""
+    busy = crop("kodim13", np.s_[300:428, :256])
+    pixels = busy.pixels.copy()
+    pixels[:, :128] = pixels[:, :128].mean(axis=(0, 1)).astype(np.uint8)
+    picture = Picture(pixels, "rgb", (0.0, 255.0), Metadata(xmp=b"<x/>" * 500))
+    encoded = encode_picture(picture, replace(TILED, tile=128, size=5000.0))
+    assert 0.97 * 5000 <= len(encoded.data) <= 5000
+
+
+@pytest.mark.parametrize("target", [{"bpp": 0.5}, {"psnr": 26.0}])
+@pytest.mark.parametrize("whole_tiles", [False, True])
+def test_pixels_that_hold_nothing(target: dict[str, float], whole_tiles: bool) -> None:
+    pixels = np.maximum(crop("kodim23", np.s_[128:320, 96:296]).pixels, 1)
+    pixels[:, : 100 if whole_tiles else 30] = 0
+    picture = Picture(pixels, "rgb", (0.0, 255.0), Metadata(geo=GEO_WITH_NODATA_0))
+    assert picture.nodata == 0
+    encoded = encode_picture(picture, replace(TILED, **target))  # type: ignore[arg-type]
+    decoded = open_stream(encoded.data).picture().pixels
+    np.testing.assert_array_equal((decoded == 0).all(axis=2), (pixels == 0).all(axis=2))
+    if "bpp" in target:
+        assert 0.97 * 0.5 <= 8 * len(encoded.data) / (200 * 192) <= 0.5
+    else:
+        assert psnr(pixels, decoded) == pytest.approx(26.0, abs=0.1)

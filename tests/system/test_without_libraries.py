@@ -7,10 +7,10 @@ import sys
 from pathlib import Path
 
 import pytest
+from data_files import GOLDEN
 
 from sgicodec.decoder.stream import open_stream
 
-GOLDEN = Path(__file__).parents[1] / "conformance" / "golden"
 PICTURE = Path(__file__).parents[1] / "data" / "pictures" / "hopper_gray.jpg"
 
 WITHOUT = """
@@ -68,6 +68,13 @@ def test_a_missing_library_is_named(
     done = run(SGI, (missing,), *given)
     assert (done.returncode, done.stderr) == (2, f"sgi: {complaint}: pip install {missing}\n")
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("options", ["--steps 4 --tile 32 --bpp 4", "--profile paper --steps 4 --seeds 40"])
+def test_every_profile_encodes_without_torch(options: str, tmp_path: Path) -> None:
+    """Tests and training alone know it."""
+    done = run(SGI, ("torch",), "encode", PICTURE, tmp_path / "out.sgi", *options.split())
+    assert done.returncode == 0, done.stderr
 
 
 def test_streams_are_looked_at_without_the_libraries_of_encodes() -> None:

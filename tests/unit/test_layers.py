@@ -7,11 +7,9 @@ import sys
 from collections.abc import Iterator
 from functools import cache
 from graphlib import TopologicalSorter
-from pathlib import Path
 
 import pytest
-
-ROOT = Path(__file__).parents[2]
+from data_files import ROOT
 
 FLOORS = (
     {"errors", "version", "_native"},

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 import pytest
+from data_files import crop
 
-from sgicodec import EncodeSettings, encode_picture, read
+from sgicodec import EncodeSettings, encode_picture
 from sgicodec.decoder.stream import open_stream
 from sgicodec.picture import Metadata
-
-DATA = Path(__file__).parents[2] / "data"
 
 SETTINGS = {
     "default": EncodeSettings(steps=20),
@@ -31,9 +29,7 @@ class Coded:
 @pytest.fixture(scope="session", params=list(SETTINGS))
 def coded(request: pytest.FixtureRequest) -> Coded:
     """96×64 pixels of a photograph, with metadata."""
-    picture = read(DATA / "kodim23.png")
-    crop = np.ascontiguousarray(picture.pixels[180:244, 100:196])
-    picture = replace(picture, pixels=crop, metadata=Metadata(icc=None, exif=None, xmp=b"<x:xmpmeta/>"))
+    picture = replace(crop("kodim23", np.s_[180:244, 100:196]), metadata=Metadata(xmp=b"<x:xmpmeta/>"))
     data = encode_picture(picture, SETTINGS[request.param]).data
     with open_stream(data) as stream:
         return Coded(data, stream.picture().pixels)

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from bounded import within
+from data_files import ATTACKS, GOLDEN
 from surgery import frame, join, split
 
 from sgicodec import EncodeSettings, Picture, encode_picture
@@ -22,9 +23,7 @@ from sgicodec.errors import CorruptStreamError, LimitError, PictureError
 
 pytestmark = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="reads /proc")
 
-GOLDEN = Path(__file__).parents[1] / "golden"
 MASKED = GOLDEN / "rgba8.sgi"
-ATTACKS = Path(__file__).parents[2] / "data" / "attacks"
 LOOKS = "survey", "region", "scale"
 
 

@@ -11,11 +11,13 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from scenes import ISAS
 from surgery import split
 
 from sgicodec.bitstream.parts.tile import read_tile, write_tile
 from sgicodec.bitstream.parts.tile_chunk import decode_tile_chunk
 from sgicodec.decoder.stream import open_stream
+from sgicodec.device import Device
 from tests.conformance.golden.make_golden import pictures
 
 HERE = Path(__file__).parent
@@ -32,10 +34,11 @@ def test_no_stream_has_changed(name: str) -> None:
     assert hashlib.sha256((HERE / f"{name}.sgi").read_bytes()).hexdigest() == MANIFEST[name]["sha256"]
 
 
+@pytest.mark.parametrize("isa", ISAS)
 @pytest.mark.parametrize("name", sorted(MANIFEST))
-def test_symbols(name: str) -> None:
+def test_symbols(name: str, isa: str) -> None:
     expected = MANIFEST[name]
-    with open_stream(HERE / f"{name}.sgi") as stream:
+    with open_stream(HERE / f"{name}.sgi", Device(isa=isa)) as stream:
         header = stream.header
         assert (header.width, header.height, header.channels) == tuple(expected["picture"])
         assert header.sample_type == expected["sample_type"]

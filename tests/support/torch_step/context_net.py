@@ -57,9 +57,9 @@ class ContextNet:
         return total
 
     def weight_bits(self) -> Tensor:
-        """About what the weights of new networks cost: each matrix under the Laplacian of its own mean magnitude."""
+        """About what weights of the paper profile cost: each matrix under the Laplacian of its own mean magnitude."""
         total = torch.zeros(())
-        if self.difference is not None or not self.trains:
+        if self.spec.plain or not self.trains:
             return total
         for w1, _, w2, _ in self.layers:
             for matrix in (w1, w2):

@@ -2,31 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from click.testing import CliRunner, Result
+from command import sgi
 
 from sgicodec import write
-from sgicodec.cli.main import cli
 from sgicodec.device import Device
 from sgicodec.encoder import pipeline as encoder
 from sgicodec.errors import SgiError
 from sgicodec.picture import Picture
-
-
-def call(*arguments: object, stdin: bytes | None = None) -> Result:
-    return CliRunner().invoke(cli, [str(argument) for argument in arguments], input=stdin)
-
-
-@pytest.fixture(scope="session")
-def sgi() -> Callable[..., Result]:
-    """Runs `sgi ARGUMENTS…` in this process; `stdin` are bytes."""
-    return call
 
 
 def scene(width: int = 48, height: int = 32) -> np.ndarray:
@@ -52,7 +40,7 @@ def shared(tmp_path_factory: pytest.TempPathFactory) -> Path:
     floats = scene().astype(np.float32) * 8 - 300
     write(Picture(floats, "rgb", (float(floats.min()), float(floats.max()))), folder / "float.tif")
     for name in ("scene.png", "float.tif"):
-        result = call("encode", folder / name, "--steps", 12, "-j", 1, "--quiet")
+        result = sgi("encode", folder / name, "--steps", 12, "-j", 1, "--quiet")
         assert result.exit_code == 0, result.output
     return folder
 

@@ -4,15 +4,12 @@ from __future__ import annotations
 
 import json
 import shutil
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from click.testing import Result
+from command import sgi
 
 from sgicodec import read, write
-
-Run = Callable[..., Result]
 
 
 @pytest.fixture
@@ -31,7 +28,7 @@ def files(folder: Path) -> list[str]:
     return sorted(path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file())
 
 
-def test_folders_keep_their_subfolders(sgi: Run, tree: Path, tmp_path: Path) -> None:
+def test_folders_keep_their_subfolders(tree: Path, tmp_path: Path) -> None:
     out = tmp_path / "streams"
     result = sgi("encode", "-r", tree, "--output-dir", out, "--steps", 1)
     assert result.exit_code == 0, result.output
@@ -44,7 +41,7 @@ def test_folders_keep_their_subfolders(sgi: Run, tree: Path, tmp_path: Path) -> 
     assert files(back) == ["2025/a.png", "2025/may/b.png.png", "2025/may/b.tif.png", "a.png"]
 
 
-def test_what_is_there_is_left_out(sgi: Run, tree: Path, tmp_path: Path) -> None:
+def test_what_is_there_is_left_out(tree: Path, tmp_path: Path) -> None:
     out = tmp_path / "streams"
     out.mkdir()
     (out / "a.sgi").write_bytes(b"mine")
@@ -61,7 +58,7 @@ def test_what_is_there_is_left_out(sgi: Run, tree: Path, tmp_path: Path) -> None
     assert sgi("encode", *options).stderr.count("exists; give -f") == 4
 
 
-def test_equal_names_are_one_line_and_stop_nothing(sgi: Run, picture: Path, tmp_path: Path) -> None:
+def test_equal_names_are_one_line_and_stop_nothing(picture: Path, tmp_path: Path) -> None:
     other = tmp_path / "other"
     other.mkdir()
     for name in ("scene.png", "last.png"):

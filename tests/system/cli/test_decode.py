@@ -9,17 +9,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import Result
+from command import sgi
 
 from sgicodec import read, write
 from sgicodec.decoder.stream import open_stream
 from sgicodec.image.reader import probe
 from sgicodec.picture import convert, from_unit
 
-Run = Callable[..., Result]
 
-
-def test_out_is_a_png_beside_in(sgi: Run, stream: Path) -> None:
+def test_out_is_a_png_beside_in(stream: Path) -> None:
     assert sgi("decode", stream).exit_code == 0
     with open_stream(stream) as opened:
         expected = opened.picture()
@@ -28,7 +26,7 @@ def test_out_is_a_png_beside_in(sgi: Run, stream: Path) -> None:
     np.testing.assert_array_equal(written.pixels, expected.pixels)
 
 
-def test_out_is_a_tiff_for_floats(sgi: Run, shared: Path, tmp_path: Path) -> None:
+def test_out_is_a_tiff_for_floats(shared: Path, tmp_path: Path) -> None:
     source = tmp_path / "f.sgi"
     source.write_bytes((shared / "float.sgi").read_bytes())
     assert sgi("decode", source).exit_code == 0
@@ -38,7 +36,7 @@ def test_out_is_a_tiff_for_floats(sgi: Run, shared: Path, tmp_path: Path) -> Non
     assert probe(tmp_path / "f.png").dtype == np.uint16
 
 
-def test_out_is_a_tiff_for_bands(sgi: Run, tmp_path: Path, pixels: np.ndarray) -> None:
+def test_out_is_a_tiff_for_bands(tmp_path: Path, pixels: np.ndarray) -> None:
     from sgicodec.picture import Picture
 
     bands = np.concatenate([pixels, pixels[..., :2]], axis=2)
@@ -72,15 +70,13 @@ def test_out_is_a_tiff_for_bands(sgi: Run, tmp_path: Path, pixels: np.ndarray) -
         ("--threads 3", {}),
     ],
 )
-def test_parts_and_scales(
-    sgi: Run, stream: Path, tmp_path: Path, options: str, arguments: dict[str, tuple[int, ...]]
-) -> None:
+def test_parts_and_scales(stream: Path, tmp_path: Path, options: str, arguments: dict[str, tuple[int, ...]]) -> None:
     assert sgi("decode", stream, tmp_path / "out.png", *options.split()).exit_code == 0
     with open_stream(stream) as opened:
         np.testing.assert_array_equal(read(tmp_path / "out.png").pixels, opened.picture(**arguments).pixels)
 
 
-def test_a_region_over_the_edge_is_cut_with_a_warning(sgi: Run, stream: Path, tmp_path: Path) -> None:
+def test_a_region_over_the_edge_is_cut_with_a_warning(stream: Path, tmp_path: Path) -> None:
     result = sgi("decode", stream, tmp_path / "out.png", "--region", "40,-5,20,20")
     assert result.exit_code == 0
     text = "region 40,-5,20,20 reaches over the picture of 48×32 pixels; it is cut to 40,0,8,15"
@@ -90,7 +86,7 @@ def test_a_region_over_the_edge_is_cut_with_a_warning(sgi: Run, stream: Path, tm
 
 
 @pytest.mark.parametrize(("depth", "dtype"), [(8, np.uint8), (16, np.uint16), (32, np.float32)])
-def test_depth(sgi: Run, stream: Path, tmp_path: Path, depth: int, dtype: type) -> None:
+def test_depth(stream: Path, tmp_path: Path, depth: int, dtype: type) -> None:
     assert sgi("decode", stream, tmp_path / "out.tif", "--depth", depth).exit_code == 0
     with open_stream(stream) as opened:
         unit, low = opened.render().clip(0, 1), opened.picture()
@@ -113,7 +109,7 @@ def test_depth(sgi: Run, stream: Path, tmp_path: Path, depth: int, dtype: type) 
         ("out.sgi", ["--format", "sgi"], b"\x01\xda"),
     ],
 )
-def test_format(sgi: Run, stream: Path, tmp_path: Path, name: str, options: list[str], signature: bytes) -> None:
+def test_format(stream: Path, tmp_path: Path, name: str, options: list[str], signature: bytes) -> None:
     target = tmp_path / "folder" / name
     target.parent.mkdir()
     assert sgi("decode", stream, target, *options).exit_code == 0
@@ -142,9 +138,7 @@ def test_format(sgi: Run, stream: Path, tmp_path: Path, name: str, options: list
         (".", "--format png", "is a folder"),
     ],
 )
-def test_arguments_that_make_no_sense(
-    sgi: Run, stream: Path, tmp_path: Path, target: str, options: str, complaint: str
-) -> None:
+def test_arguments_that_make_no_sense(stream: Path, tmp_path: Path, target: str, options: str, complaint: str) -> None:
     result = sgi("decode", stream, tmp_path / target, *options.split())
     assert result.exit_code == 2
     assert complaint in result.stderr
@@ -153,14 +147,14 @@ def test_arguments_that_make_no_sense(
     assert [path.name for path in tmp_path.iterdir()] == ["scene.sgi"]
 
 
-def test_too_many_pixels_are_a_fault_of_the_arguments(sgi: Run, stream: Path, tmp_path: Path) -> None:
+def test_too_many_pixels_are_a_fault_of_the_arguments(stream: Path, tmp_path: Path) -> None:
     for options in (("--scale", 99999), ("--size", "99999x99999"), ("--region", "0,0,40,30", "--scale", 99999)):
         result = sgi("decode", stream, tmp_path / "out.png", *options)
         assert result.exit_code == 2
         assert "too many" in result.stderr
 
 
-def test_an_existing_output_stays_without_force(sgi: Run, stream: Path) -> None:
+def test_an_existing_output_stays_without_force(stream: Path) -> None:
     target = stream.with_suffix(".png")
     target.write_bytes(b"old")
     result = sgi("decode", stream, target)
@@ -172,7 +166,7 @@ def test_an_existing_output_stays_without_force(sgi: Run, stream: Path) -> None:
 
 
 @pytest.mark.parametrize("more", [[], ["-f"], ["-f", "--format", "jpg"], ["-f", "--depth", "32"], ["-f", "-r"]])
-def test_a_default_out_replaces_no_file(sgi: Run, stream: Path, more: list[str]) -> None:
+def test_a_default_out_replaces_no_file(stream: Path, more: list[str]) -> None:
     """It may be the picture that the stream was made of."""
     originals = [stream.with_suffix(suffix) for suffix in (".png", ".jpg", ".tif")]
     for original in originals:
@@ -184,7 +178,7 @@ def test_a_default_out_replaces_no_file(sgi: Run, stream: Path, more: list[str])
 
 
 @pytest.mark.parametrize("how", ["by position", "in a folder"])
-def test_a_stream_that_was_matched_as_out_is_never_replaced(sgi: Run, stream: Path, how: str) -> None:
+def test_a_stream_that_was_matched_as_out_is_never_replaced(stream: Path, how: str) -> None:
     """`sgi decode *.sgi --format sgi -f` in a folder of two streams."""
     second = stream.with_name("second.sgi")
     second.write_bytes(stream.read_bytes())
@@ -200,14 +194,14 @@ def test_a_stream_that_was_matched_as_out_is_never_replaced(sgi: Run, stream: Pa
     assert second.read_bytes().startswith(b"\x89PNG")
 
 
-def test_the_input_is_never_the_output(sgi: Run, stream: Path) -> None:
+def test_the_input_is_never_the_output(stream: Path) -> None:
     before = stream.read_bytes()
     result = sgi("decode", stream, stream, "-f", "--format", "sgi")
     assert result.exit_code == 2
     assert stream.read_bytes() == before
 
 
-def test_a_line_tells_what_was_written(sgi: Run, stream: Path) -> None:
+def test_a_line_tells_what_was_written(stream: Path) -> None:
     target = stream.with_suffix(".png")
     result = sgi("decode", stream, "--scale", "1/2")
     line = rf"{re.escape(str(target))}: 24×16 pixels, rgb, {target.stat().st_size:,} bytes, \d+\.\d s\n"
@@ -236,7 +230,7 @@ def _flipped(data: bytes) -> bytes:
     ],
 )
 @pytest.mark.parametrize("command", ["decode", "info", "verify"])
-def test_spoilt_streams(sgi: Run, stream: Path, command: str, spoil: Callable[[bytes], bytes], complaint: str) -> None:
+def test_spoilt_streams(stream: Path, command: str, spoil: Callable[[bytes], bytes], complaint: str) -> None:
     stream.write_bytes(spoil(stream.read_bytes()))
     result = sgi(command, stream)
     assert result.exit_code == 4
@@ -248,7 +242,7 @@ def test_spoilt_streams(sgi: Run, stream: Path, command: str, spoil: Callable[[b
 
 
 @pytest.mark.parametrize("command", ["decode", "info", "verify"])
-def test_streams_that_cannot_be_opened(sgi: Run, tmp_path: Path, command: str) -> None:
+def test_streams_that_cannot_be_opened(tmp_path: Path, command: str) -> None:
     folder = "it is a folder; add -r to take the streams in it" if command == "decode" else "Is a directory"
     for path, complaint in ((tmp_path / "missing.sgi", "No such file or directory"), (tmp_path, folder)):
         result = sgi(command, path)

@@ -4,16 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
+from command import sgi
 from fake_cuda import fake_driver
 
 from sgicodec import read
 from sgicodec.cuda import compiler, driver, gpu
-
-Run = Any
 
 
 @pytest.fixture(autouse=True)
@@ -27,9 +25,7 @@ def _found_anew() -> Iterator[None]:
         found.cache_clear()
 
 
-def test_a_fit_on_the_gpu_that_is_there(
-    sgi: Run, picture: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_fit_on_the_gpu_that_is_there(picture: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     fake_driver()
     monkeypatch.setattr(gpu, "compiled", lambda architecture, most: b"for no machine")
     streams = {}
@@ -60,7 +56,7 @@ def test_a_fit_on_the_gpu_that_is_there(
     ],
 )
 def test_what_is_missing(
-    missing: str, complaint: str, sgi: Run, picture: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    missing: str, complaint: str, picture: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     if missing == "driver":
         monkeypatch.setattr(driver, "LIBRARY", "libno-such.so")

@@ -4,18 +4,16 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Callable
 from pathlib import Path
 
 import click
 import pytest
-from click.testing import Result
+from command import sgi
 
 from sgicodec.cli.main import cli
 from sgicodec.encoder.effort import PLAIN_STEPS, PSNR_STEPS, VISUAL_STEPS, effort_of
 from sgicodec.image.formats import FORMATS
 
-Run = Callable[..., Result]
 TEXT = (Path(__file__).parents[3] / "docs" / "cli.md").read_text("utf-8")
 SECTIONS = {part.split(maxsplit=1)[0]: part for part in TEXT.split("\n## sgi ")[1:]}
 
@@ -44,7 +42,7 @@ def test_efforts() -> None:
     assert passes == [effort_of(steps, "visual").ascent_passes for steps in visual]
 
 
-def test_exit_codes(sgi: Run) -> None:
+def test_exit_codes() -> None:
     documented = re.findall(r"^\| (\d+) \| (.*?) \|", TEXT, re.MULTILINE)
     helped = re.findall(r"^  (\d+)  +(.*)$", sgi("--help").stdout, re.MULTILINE)
     assert [(code, text.replace("`", "")) for code, text in documented] == helped
@@ -56,7 +54,7 @@ def test_formats() -> None:
 
 
 @pytest.mark.parametrize(("command", "file"), [("encode", "scene.png"), ("info", "scene.sgi")])
-def test_json_keys(sgi: Run, shared: Path, tmp_path: Path, command: str, file: str) -> None:
+def test_json_keys(shared: Path, tmp_path: Path, command: str, file: str) -> None:
     options = [tmp_path / "out.sgi", "--steps", 2] if command == "encode" else []
     keys = json.loads(sgi(command, shared / file, *options, "--json").stdout)
     listed = re.search(r"`--json` prints one object(.*?)\.\s", SECTIONS[command], re.DOTALL)

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from click.testing import Result
+from command import sgi
 
 from sgicodec import write
 from sgicodec.cli.encode_listener import EncodeListener
@@ -20,10 +19,8 @@ from sgicodec.metrics.psnr import psnr
 from sgicodec.picture import Picture
 from sgicodec.profiles.default import lmbda_of_quality
 
-Run = Callable[..., Result]
 
-
-def test_opaque_alpha_is_left_out_and_told(sgi: Run, tmp_path: Path, pixels: np.ndarray) -> None:
+def test_opaque_alpha_is_left_out_and_told(tmp_path: Path, pixels: np.ndarray) -> None:
     alpha = np.full((*pixels.shape[:2], 1), 255, np.uint8)
     source = tmp_path / "x.png"
     write(Picture(np.concatenate([pixels, alpha], axis=2), "rgba", (0.0, 255.0)), source)
@@ -33,7 +30,7 @@ def test_opaque_alpha_is_left_out_and_told(sgi: Run, tmp_path: Path, pixels: np.
     assert sgi("encode", source, "--steps", 5, "--quiet", "-f").stderr == ""
 
 
-def test_out_is_beside_in_and_the_report_is_true(sgi: Run, picture: Path, pixels: np.ndarray) -> None:
+def test_out_is_beside_in_and_the_report_is_true(picture: Path, pixels: np.ndarray) -> None:
     result = sgi("encode", picture, "--steps", 5)
     assert result.exit_code == 0, result.output
     target = picture.with_suffix(".sgi")
@@ -48,7 +45,7 @@ def test_out_is_beside_in_and_the_report_is_true(sgi: Run, picture: Path, pixels
     )
 
 
-def test_json(sgi: Run, picture: Path, tmp_path: Path, pixels: np.ndarray) -> None:
+def test_json(picture: Path, tmp_path: Path, pixels: np.ndarray) -> None:
     result = sgi("encode", picture, tmp_path / "out.sgi", "--steps", 5, "--json", "--quiet")
     figures = json.loads(result.stdout)
     size = (tmp_path / "out.sgi").stat().st_size
@@ -95,7 +92,7 @@ def test_json(sgi: Run, picture: Path, tmp_path: Path, pixels: np.ndarray) -> No
     ],
 )
 def test_options_reach_the_encoder(
-    sgi: Run, picture: Path, asked: dict[str, Any], options: list[str], expected: dict[str, Any]
+    picture: Path, asked: dict[str, Any], options: list[str], expected: dict[str, Any]
 ) -> None:
     result = sgi("encode", picture, *options)
     assert result.stderr == "sgi: stopped\n"
@@ -141,7 +138,7 @@ def test_options_reach_the_encoder(
         ("--device gpu", "auto, cpu, cuda or cuda:N"),
     ],
 )
-def test_settings_that_make_no_sense(sgi: Run, picture: Path, options: str, complaint: str) -> None:
+def test_settings_that_make_no_sense(picture: Path, options: str, complaint: str) -> None:
     result = sgi("encode", picture, *options.split())
     assert result.exit_code == 2
     assert complaint in result.stderr
@@ -151,7 +148,7 @@ def test_settings_that_make_no_sense(sgi: Run, picture: Path, options: str, comp
 
 
 @pytest.mark.parametrize("option", ["--size", "--bpp"])
-def test_a_size_that_is_reached(sgi: Run, picture: Path, option: str) -> None:
+def test_a_size_that_is_reached(picture: Path, option: str) -> None:
     size = 1000
     asked = size if option == "--size" else 8 * size / (48 * 32)
     result = sgi("encode", picture, option, asked, "--steps", 40, "--json")
@@ -161,7 +158,7 @@ def test_a_size_that_is_reached(sgi: Run, picture: Path, option: str) -> None:
     assert 0.97 * size <= written <= size
 
 
-def test_a_size_that_is_missed(sgi: Run, picture: Path) -> None:
+def test_a_size_that_is_missed(picture: Path) -> None:
     """Exit 5, the report as ever, one line of complaint, and the nearest stream, which decodes."""
     target = picture.with_suffix(".sgi")
     result = sgi("encode", picture, "--size", 20, "--steps", 5)
@@ -173,7 +170,7 @@ def test_a_size_that_is_missed(sgi: Run, picture: Path) -> None:
     assert sgi("verify", target).exit_code == 0
 
 
-def test_ctrl_c_on_the_way_to_a_goal(sgi: Run, picture: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_ctrl_c_on_the_way_to_a_goal(picture: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The first step is the last; what there is, is written, and the code says whether the goal was met."""
     real = EncodeListener.step
     monkeypatch.setattr(EncodeListener, "step", lambda *given: real(*given) and False)
@@ -185,7 +182,7 @@ def test_ctrl_c_on_the_way_to_a_goal(sgi: Run, picture: Path, monkeypatch: pytes
         assert sgi("verify", picture.with_suffix(".sgi")).exit_code == 0
 
 
-def test_no_verify_does_not_decode(sgi: Run, picture: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_no_verify_does_not_decode(picture: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(encoder, "open_stream", lambda *_: 1 / 0)
     result = sgi("encode", picture, "--steps", 2, "--no-verify")
     assert result.exit_code == 0
@@ -194,7 +191,7 @@ def test_no_verify_does_not_decode(sgi: Run, picture: Path, monkeypatch: pytest.
 
 
 @pytest.mark.parametrize(("mode", "drawn"), [("on", True), ("auto", False), ("off", False)])
-def test_progress(sgi: Run, picture: Path, mode: str, drawn: bool) -> None:
+def test_progress(picture: Path, mode: str, drawn: bool) -> None:
     result = sgi("encode", picture, "--steps", 8, "--no-texture", "--progress", mode)
     assert result.exit_code == 0
     text = re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", result.stderr)

@@ -4,19 +4,16 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from click.testing import Result
+from command import sgi
 
 from sgicodec.decoder.stream import open_stream
 from sgicodec.version import __version__
 
-Run = Callable[..., Result]
 
-
-def test_json_agrees_with_the_stream(sgi: Run, stream: Path) -> None:
+def test_json_agrees_with_the_stream(stream: Path) -> None:
     result = sgi("info", stream, "--survey", "--json")
     assert result.exit_code == 0
     facts = json.loads(result.stdout)
@@ -36,7 +33,7 @@ def test_json_agrees_with_the_stream(sgi: Run, stream: Path) -> None:
     assert "paper_parts" not in facts
 
 
-def test_paper_profile_has_the_papers_table(sgi: Run, picture: Path) -> None:
+def test_paper_profile_has_the_papers_table(picture: Path) -> None:
     options = "--profile paper --seeds 6 --per-seed 2 --features 4 --levels 1 --steps 2"
     sgi("encode", picture, *options.split())
     stream = picture.with_suffix(".sgi")
@@ -46,11 +43,12 @@ def test_paper_profile_has_the_papers_table(sgi: Run, picture: Path) -> None:
     assert abs(table["x_a"] - facts["parts"]["positions"]) <= 1
     assert abs(table["MLPs"] - facts["parts"]["decoders"] - facts["parts"]["context model"]) <= 1
     assert sum(table.values()) == stream.stat().st_size
-    shown = re.findall(r"^  (\S.*?)  +[\d,]+ +[\d.]+ %$", sgi("info", stream, "--survey").stdout, re.MULTILINE)
-    assert shown == [*table, "total"]
+    text = sgi("info", stream, "--survey").stdout
+    assert "6 × 2 = 12 Gaussians" in text
+    assert re.findall(r"^  (\S.*?)  +[\d,]+ +[\d.]+ %$", text, re.MULTILINE) == [*table, "total"]
 
 
-def test_no_tile_is_decoded_without_a_survey(sgi: Run, stream: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_no_tile_is_decoded_without_a_survey(stream: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     surveyed = json.loads(sgi("info", stream, "--survey", "--json").stdout)
     shown = sgi("info", stream, "--survey").stdout
     monkeypatch.setattr("sgicodec.decoder.stream.Stream.survey", None)
@@ -67,7 +65,7 @@ def test_no_tile_is_decoded_without_a_survey(sgi: Run, stream: Path, monkeypatch
     assert not any("Gaussians" in line for line in lines)
 
 
-def test_many_files(sgi: Run, shared: Path, tmp_path: Path) -> None:
+def test_many_files(shared: Path, tmp_path: Path) -> None:
     good = [shared / "scene.sgi", shared / "float.sgi"]
     result = sgi("info", *good)
     assert result.exit_code == 0

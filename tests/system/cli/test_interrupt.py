@@ -7,23 +7,9 @@ import signal
 import subprocess
 import sys
 
-import pytest
 from children import HANGS
 
 from sgicodec.cli.interrupt import EarlyEnd
-
-
-def test_first_signal_asks_second_interrupts() -> None:
-    with EarlyEnd() as early:
-        early.arm()
-        early.arm()
-        assert not early.asked
-        signal.raise_signal(signal.SIGINT)
-        assert early.asked
-        early.arm()
-        with pytest.raises(KeyboardInterrupt):
-            signal.raise_signal(signal.SIGINT)
-    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 
 
 def test_an_ignored_signal_stays_ignored() -> None:

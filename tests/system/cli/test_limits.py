@@ -4,23 +4,20 @@ from __future__ import annotations
 
 import subprocess
 import sys
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from click.testing import Result
+from command import sgi
+from data_files import ATTACKS
 from sanitizer import needs_plain_memory
 
 import sgicodec
 from sgicodec.cli.limits import DecodeLimits
 from sgicodec.errors import LimitError
 
-Run = Callable[..., Result]
-ATTACKS = Path(__file__).parents[2] / "data" / "attacks"
-
 
 @pytest.mark.parametrize("view", [(), ("--scale", "10"), ("--size", "480x320")])
-def test_too_many_pixels(sgi: Run, stream: Path, tmp_path: Path, view: tuple[str, ...]) -> None:
+def test_too_many_pixels(stream: Path, tmp_path: Path, view: tuple[str, ...]) -> None:
     """48×32 of them, or a hundred times as many."""
     most = 10 * (100 if view else 1)
     result = sgi("decode", stream, tmp_path / "a.png", "--max-pixels", most, *view)
@@ -29,7 +26,7 @@ def test_too_many_pixels(sgi: Run, stream: Path, tmp_path: Path, view: tuple[str
     assert sgi("decode", stream, tmp_path / "a.png", "--max-pixels", 480 * 320, *view).exit_code == 0
 
 
-def test_samples_that_take_too_much(sgi: Run, tmp_path: Path) -> None:
+def test_samples_that_take_too_much(tmp_path: Path) -> None:
     """60,000×60,000 pixels of nothing in 52 bytes, which one call would not render at all as it is."""
     for options in ((), ("--scale", "1/4", "--max-memory", "500MiB")):
         result = sgi("decode", ATTACKS / "mask_none_60k.sgi", tmp_path / "a.png", *options)

@@ -4,16 +4,14 @@ from __future__ import annotations
 
 import re
 import signal
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import click
 import numpy as np
 import pytest
-from click.testing import Result
+from command import sgi
 
-from sgicodec import errors
 from sgicodec.bitstream.header import FORMAT_VERSION
 from sgicodec.cli.command import HelpfulCommand
 from sgicodec.cli.main import cli
@@ -23,10 +21,8 @@ from sgicodec.encoder.progress import NullListener
 from sgicodec.fit.trainer import Progress
 from sgicodec.version import __version__
 
-Run = Callable[..., Result]
 
-
-def test_help_lists_commands_and_exit_codes(sgi: Run) -> None:
+def test_help_lists_commands_and_exit_codes() -> None:
     result = sgi("--help")
     assert result.exit_code == 0
     for name in ("encode", "decode", "info", "verify", "compare", "bench", "completion", "man"):
@@ -36,7 +32,7 @@ def test_help_lists_commands_and_exit_codes(sgi: Run) -> None:
     assert sgi("-h").stdout == result.stdout
 
 
-def test_version(sgi: Run) -> None:
+def test_version() -> None:
     assert sgi("--version").stdout == f"sgi {__version__}\n"
     for arguments in (("--version", "-v"), ("-v", "--version"), ("--version", "--verbose")):
         lines = sgi(*arguments).stdout.splitlines()
@@ -50,7 +46,7 @@ def test_version(sgi: Run) -> None:
 
 
 @pytest.mark.parametrize("command", ["encode", "decode"])
-def test_help_is_small_and_help_all_is_not(sgi: Run, command: str) -> None:
+def test_help_is_small_and_help_all_is_not(command: str) -> None:
     small, whole = sgi(command, "--help").stdout, sgi(command, "--help-all").stdout
     for other in (("--help", "-v"), ("-v", "-h"), ("-h", "--verbose")):
         assert sgi(command, *other).stdout == whole
@@ -76,13 +72,13 @@ def test_help_is_small_and_help_all_is_not(sgi: Run, command: str) -> None:
         (["scene.sgi"], "there is no command 'scene.sgi' (it is a file; did you mean 'sgi decode scene.sgi'?)"),
     ],
 )
-def test_suggestions(sgi: Run, shared: Path, monkeypatch: pytest.MonkeyPatch, arguments: list[str], hint: str) -> None:
+def test_suggestions(shared: Path, monkeypatch: pytest.MonkeyPatch, arguments: list[str], hint: str) -> None:
     monkeypatch.chdir(shared)
     assert sgi(*arguments).stderr == f"sgi: {hint}; see sgi --help\n"
 
 
 @pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
-def test_completion(sgi: Run, shell: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+def test_completion(shell: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     """The script asks sgi itself, which answers with commands, options and files."""
     script = sgi("completion", shell).stdout
     assert f"_SGI_COMPLETE={shell}_complete" in script
@@ -97,7 +93,7 @@ def test_completion(sgi: Run, shell: str, monkeypatch: pytest.MonkeyPatch, capsy
     assert list(answers.values()) == [["plain,encode"], ["plain,--overview"], ["file,pho"], ["plain,visual"]]
 
 
-def test_manual_page(sgi: Run) -> None:
+def test_manual_page() -> None:
     page = sgi("man").stdout
     assert page.startswith('.TH SGI 1 ""')
     assert re.findall(r"^\.SH (.*)$", page, re.MULTILINE) == [
@@ -119,7 +115,7 @@ def test_manual_page(sgi: Run) -> None:
         (["info", "a", "--frobnicate"], "sgi info"),
     ],
 )
-def test_usage_errors_are_one_line(sgi: Run, arguments: list[str], place: str) -> None:
+def test_usage_errors_are_one_line(arguments: list[str], place: str) -> None:
     result = sgi(*arguments)
     assert result.exit_code == 2
     assert result.stderr.startswith("sgi: ")
@@ -127,33 +123,9 @@ def test_usage_errors_are_one_line(sgi: Run, arguments: list[str], place: str) -
     assert result.stderr.count("\n") == 1
 
 
-def test_exit_codes_of_all_errors() -> None:
-    found = {name: getattr(errors, name) for name in errors.__all__}
-    codes = {name: error.exit_code for name, error in found.items() if isinstance(error, type)}
-    assert codes == {
-        "SgiError": 1,
-        "UsageError": 2,
-        "RegionError": 2,
-        "MissingExtraError": 2,
-        "NoDeviceError": 2,
-        "PictureError": 3,
-        "StreamError": 4,
-        "CorruptStreamError": 4,
-        "LimitError": 4,
-        "UnsupportedStreamError": 4,
-        "TargetMissedError": 5,
-        "OutputExistsError": 6,
-        "OutputLockedError": 6,
-        "TileFailedError": 1,
-        "BatchError": 1,
-        "ReportError": 1,
-        "EncodeInterruptedError": 130,
-    }
-
-
 @pytest.mark.parametrize("verbose", [False, True])
 @pytest.mark.parametrize("command", ["info", "compare"])
-def test_internal_error(sgi: Run, stream: Path, monkeypatch: pytest.MonkeyPatch, verbose: bool, command: str) -> None:
+def test_internal_error(stream: Path, monkeypatch: pytest.MonkeyPatch, verbose: bool, command: str) -> None:
     def fail(*_: Any) -> None:
         raise KeyError("two\nlines")
 
@@ -167,7 +139,7 @@ def test_internal_error(sgi: Run, stream: Path, monkeypatch: pytest.MonkeyPatch,
     assert verbose or result.stderr.count("\n") == 1
 
 
-def test_out_of_memory(sgi: Run, stream: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_out_of_memory(stream: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def fail(*_: Any, **__: Any) -> None:
         raise MemoryError
 
@@ -176,7 +148,7 @@ def test_out_of_memory(sgi: Run, stream: Path, monkeypatch: pytest.MonkeyPatch) 
     assert (result.exit_code, result.stderr) == (1, "sgi: there is not enough memory for this picture\n")
 
 
-def test_interrupt_leaves_nothing(sgi: Run, stream: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_interrupt_leaves_nothing(stream: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def interrupted(*_: Any, **__: Any) -> None:
         signal.raise_signal(signal.SIGINT)
 
@@ -187,9 +159,7 @@ def test_interrupt_leaves_nothing(sgi: Run, stream: Path, monkeypatch: pytest.Mo
     assert list(stream.parent.iterdir()) == [stream]
 
 
-def test_first_interrupt_of_a_fit_ends_it_second_gives_up(
-    sgi: Run, picture: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_first_interrupt_of_a_fit_ends_it_second_gives_up(picture: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def fit(*_: Any, progress: NullListener, **__: Any) -> None:
         state = Progress(step=3, steps=9, seeds=1, psnr=20.0, bits=0.0)
         assert progress.step(state)

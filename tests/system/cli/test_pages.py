@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
 import tifffile
-from click.testing import Result
+from command import sgi
 
 import sgicodec
-
-Run = Callable[..., Result]
 
 RAMP = np.add.outer(np.arange(48), np.arange(64)).astype(np.uint8)
 PAGES = np.stack([RAMP, 200 - RAMP, 2 * RAMP])
@@ -29,19 +26,19 @@ def nearest(stream: Path) -> int:
     return int(np.argmin([np.abs(sgicodec.imread(stream).squeeze().astype(int) - page).mean() for page in PAGES]))
 
 
-def test_other_pages_are_told_of(sgi: Run, stack: Path) -> None:
+def test_other_pages_are_told_of(stack: Path) -> None:
     result = sgi("encode", stack, "--steps", 30, "--quiet")
     assert result.stderr == f"sgi: {stack}: the first of 3 pages; --page chooses another\n"
     assert nearest(stack.with_suffix(".sgi")) == 0
 
 
-def test_a_page_is_chosen(sgi: Run, stack: Path) -> None:
+def test_a_page_is_chosen(stack: Path) -> None:
     result = sgi("encode", stack, "--page", 2, "--steps", 30, "--quiet")
     assert (result.exit_code, result.stderr) == (0, "")
     assert nearest(stack.with_suffix(".sgi")) == 1
 
 
-def test_workers_read_the_same_page(sgi: Run, stack: Path, tmp_path: Path) -> None:
+def test_workers_read_the_same_page(stack: Path, tmp_path: Path) -> None:
     options = ("--tile", 32, "--steps", 10, "--quiet", "--no-overview", "--page", 3)
     assert sgi("encode", stack, tmp_path / "a.sgi", *options, "-j", 1).exit_code == 0
     assert sgi("encode", stack, tmp_path / "b.sgi", *options, "--cluster", "local:1").exit_code == 0
@@ -49,7 +46,7 @@ def test_workers_read_the_same_page(sgi: Run, stack: Path, tmp_path: Path) -> No
     assert (tmp_path / "a.sgi").read_bytes() == (tmp_path / "b.sgi").read_bytes()
 
 
-def test_a_page_that_is_not_there(sgi: Run, stack: Path) -> None:
+def test_a_page_that_is_not_there(stack: Path) -> None:
     result = sgi("encode", stack, "--page", 4)
     assert result.exit_code == 2
     assert result.stderr == "sgi: there is no page 4; the picture has 3 pages, counted from 1\n"

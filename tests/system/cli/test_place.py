@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
 import tifffile
-from click.testing import Result
+from command import sgi
+from data_files import PICTURES
 from PIL import Image
 from tags import TIED, geo_keys, geo_of, rational, shorts, text
 
@@ -17,12 +17,9 @@ from sgicodec import read, write
 from sgicodec.metadata import geo, ifd
 from sgicodec.picture import Metadata, Picture
 
-Run = Callable[..., Result]
-ODD = Path(__file__).parents[2] / "data" / "pictures"
-
 
 @pytest.fixture(scope="module")
-def placed(sgi: Run, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def placed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The stream of a GeoTIFF with a nodata value and a resolution."""
     folder = tmp_path_factory.mktemp("placed")
     rows = [(1024, 0, 1, 1), (1025, 0, 1, 1), (1026, 34737, 22, 0), (3072, 0, 1, 32633), (3076, 0, 1, 9001)]
@@ -36,7 +33,7 @@ def placed(sgi: Run, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder / "x.sgi"
 
 
-def test_a_stream_with_a_place_becomes_a_tiff(sgi: Run, placed: Path) -> None:
+def test_a_stream_with_a_place_becomes_a_tiff(placed: Path) -> None:
     before = read(placed.with_suffix(".tif")).metadata.geo
     placed.with_suffix(".tif").unlink()
     result = sgi("decode", placed)
@@ -47,7 +44,7 @@ def test_a_stream_with_a_place_becomes_a_tiff(sgi: Run, placed: Path) -> None:
     assert sgi("decode", placed, "-").stdout_bytes[:4] == b"II*\0"
 
 
-def test_info_shows_the_place(sgi: Run, placed: Path) -> None:
+def test_info_shows_the_place(placed: Path) -> None:
     lines = [line.split(maxsplit=1) for line in sgi("info", placed).stdout.splitlines() if line.strip()]
     shown = {line[0]: line[1] for line in lines if len(line) == 2}
     assert shown["projection"] == "EPSG:32633, WGS 84 / UTM zone 33N"
@@ -79,13 +76,7 @@ def test_info_shows_the_place(sgi: Run, placed: Path) -> None:
     ],
 )
 def test_exif_and_xmp_say_what_a_view_shows(
-    sgi: Run,
-    turned: Path,
-    tmp_path: Path,
-    view: list[object],
-    size: tuple[int, int],
-    area: list[int] | None,
-    dpi: object,
+    turned: Path, tmp_path: Path, view: list[object], size: tuple[int, int], area: list[int] | None, dpi: object
 ) -> None:
     for name in ("a.jpg", "a.png", "a.tif"):
         assert sgi("decode", turned, tmp_path / name, *view).exit_code == 0
@@ -101,7 +92,7 @@ def test_exif_and_xmp_say_what_a_view_shows(
 
 
 @pytest.fixture(scope="module")
-def turned(sgi: Run, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def turned(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The stream of a photograph of 64×48 stored pixels, to be turned by a quarter."""
     folder = tmp_path_factory.mktemp("turned")
     tags = Image.Exif()
@@ -114,7 +105,7 @@ def turned(sgi: Run, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder / "a.sgi"
 
 
-def test_statistics_are_not_those_of_new_pixels(sgi: Run, tmp_path: Path) -> None:
+def test_statistics_are_not_those_of_new_pixels(tmp_path: Path) -> None:
     """And a nodata value is found however it is written."""
     items = '<Item name="NOTE">kept</Item><Item name="STATISTICS_MAXIMUM" sample="0">143.25</Item>'
     texts = {42112: f"<GDALMetadata>{items}</GDALMetadata>", 42113: "-1.#QNAN"}
@@ -140,9 +131,9 @@ def test_statistics_are_not_those_of_new_pixels(sgi: Run, tmp_path: Path) -> Non
     ],
 )
 def test_metadata_that_a_format_does_not_hold_is_named(
-    sgi: Run, tmp_path: Path, name: str, extension: str, lost: str | None
+    tmp_path: Path, name: str, extension: str, lost: str | None
 ) -> None:
-    assert sgi("encode", ODD / name, tmp_path / "x.sgi", "--steps", 2).exit_code == 0
+    assert sgi("encode", PICTURES / name, tmp_path / "x.sgi", "--steps", 2).exit_code == 0
     found = sgi("decode", tmp_path / "x.sgi", tmp_path / f"x.{extension}")
     assert found.exit_code == 0
     named = f"sgi: {tmp_path / 'x'}.{extension}: .{extension} does not hold its {lost}; .tif does\n"

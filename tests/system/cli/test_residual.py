@@ -3,19 +3,16 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
-from click.testing import Result
+from command import sgi
 from PIL import Image
 
 from sgicodec import read
 
-Run = Callable[..., Result]
 
-
-def test_a_picture_comes_back(sgi: Run, picture: Path, tmp_path: Path) -> None:
+def test_a_picture_comes_back(picture: Path, tmp_path: Path) -> None:
     out, back, lossy = tmp_path / "a.sgi", tmp_path / "a.png", tmp_path / "b.png"
     result = sgi("encode", picture, out, "--lossless", "--steps", 20)
     assert result.exit_code == 0
@@ -32,7 +29,7 @@ def test_a_picture_comes_back(sgi: Run, picture: Path, tmp_path: Path) -> None:
     assert "without loss" in sgi("info", out).stdout
 
 
-def test_it_is_added_and_taken_off(sgi: Run, picture: Path, tmp_path: Path) -> None:
+def test_it_is_added_and_taken_off(picture: Path, tmp_path: Path) -> None:
     plain, near, again = tmp_path / "a.sgi", tmp_path / "b.sgi", tmp_path / "c.sgi"
     assert sgi("encode", picture, plain, "--steps", 20).exit_code == 0
     result = sgi("refine", picture, plain, near, "--max-error", 3)
@@ -46,7 +43,7 @@ def test_it_is_added_and_taken_off(sgi: Run, picture: Path, tmp_path: Path) -> N
     assert again.read_bytes() == plain.read_bytes()
 
 
-def test_text_is_left_whole(sgi: Run, tmp_path: Path) -> None:
+def test_text_is_left_whole(tmp_path: Path) -> None:
     page, out = tmp_path / "page.png", tmp_path / "page.sgi"
     pixels = np.full((60, 80, 3), 255, np.uint8)
     pixels[10:50:8, 6:70:3] = 30
@@ -63,7 +60,7 @@ def test_text_is_left_whole(sgi: Run, tmp_path: Path) -> None:
     assert np.abs(read(tmp_path / "half.png").pixels - half).max() <= 0.5
 
 
-def test_refusals(sgi: Run, picture: Path, tmp_path: Path) -> None:
+def test_refusals(picture: Path, tmp_path: Path) -> None:
     out = tmp_path / "a.sgi"
     result = sgi("encode", picture, out, "--lossless", "--max-error", 2)
     assert (result.exit_code, result.stderr) == (2, "sgi: --lossless and --max-error exclude each other\n")

@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from click.testing import Result
-
-Run = Callable[..., Result]
+from command import sgi
 
 
 @pytest.mark.parametrize(
@@ -32,7 +29,7 @@ Run = Callable[..., Result]
     ],
 )
 def test_a_space_in_a_value(
-    sgi: Run, picture: Path, stream: Path, monkeypatch: pytest.MonkeyPatch, line: str, written: str, right: str
+    picture: Path, stream: Path, monkeypatch: pytest.MonkeyPatch, line: str, written: str, right: str
 ) -> None:
     monkeypatch.chdir(picture.parent)
     result = sgi(*line.split())
@@ -55,7 +52,7 @@ def test_a_space_in_a_value(
         ("--effort 2.5", "a valid integer from 1 to 9"),
     ],
 )
-def test_a_word_for_a_number(sgi: Run, picture: Path, line: str, wanted: str) -> None:
+def test_a_word_for_a_number(picture: Path, line: str, wanted: str) -> None:
     result = sgi("encode", picture, *line.split())
     assert result.exit_code == 2
     assert f"is not {wanted}" in result.stderr

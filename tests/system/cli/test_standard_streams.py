@@ -11,9 +11,8 @@ from pathlib import Path
 
 import pytest
 from children import HANGS
-from click.testing import Result
+from command import sgi
 
-Run = Callable[..., Result]
 FULL = Path("/dev/full")
 needs_full = pytest.mark.skipif(not FULL.exists(), reason="there is no /dev/full here")
 
@@ -68,7 +67,7 @@ def test_a_report_that_cannot_be_written(picture: Path, stream: Path, arguments:
 
 
 @pytest.mark.parametrize("length", [300, 5000])
-def test_names_that_are_too_long(sgi: Run, picture: Path, stream: Path, length: int) -> None:
+def test_names_that_are_too_long(picture: Path, stream: Path, length: int) -> None:
     long = picture.parent / ("a" * length)
     for arguments, status in (
         (["encode", picture, f"{long}.sgi"], 2),

@@ -11,11 +11,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from data_files import ROOT
 from PIL import Image
 
 import sgicodec
 
-ROOT = Path(__file__).resolve().parents[3]
 NEEDED = ("cmake", "cc", "c++", "pkg-config", "bash")
 
 pytestmark = [

@@ -1,4 +1,4 @@
-"""The first minutes of a photographer: a folder of photographs, smaller files, and a page of them in Chromium."""
+"""The first minutes of a photographer: a page of photographs in Chromium."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from data_files import ROOT
 from PIL import Image
 
 import sgicodec
 from sgicodec.server.viewer import missing_decoder, viewer_folder
 
-ROOT = Path(__file__).resolve().parents[3]
 VIEWER = viewer_folder()
 BROWSERS = (os.environ.get("CHROMIUM"), *map(shutil.which, ("chromium", "chromium-browser", "google-chrome")))
 HAS_PAGE = (
@@ -54,23 +54,6 @@ def run(folder: Path, *command: str) -> str:
     done = subprocess.run(command, cwd=folder, env=environment | kept, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     return done.stdout
-
-
-def test_smaller_files(photos: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    started = time.monotonic()
-    run(photos, "sgi", "encode", "kodim13.jpg", "kodim23.jpg", "--output-dir", "streams", "-q", "65", "--quiet")
-    seconds = time.monotonic() - started
-    for name in ("kodim13", "kodim23"):
-        stream, photo = photos / "streams" / f"{name}.sgi", photos / f"{name}.jpg"
-        assert stream.stat().st_size < photo.stat().st_size / 2
-        with sgicodec.open(stream) as opened:
-            assert (opened.width, opened.height) == (500, 300)  # upright
-    assert "exif" in run(photos, "sgi", "info", "streams/kodim23.sgi")
-    run(photos, "sgi", "decode", "streams/kodim23.sgi", "small.jpg", "--size", "250x")
-    small = Image.open(photos / "small.jpg")
-    assert (small.size, small.getexif()[271]) == ((250, 150), "A camera")
-    with capsys.disabled():
-        print(f"\n  photographer: two streams in {seconds:.1f} s")
 
 
 @contextmanager

@@ -8,11 +8,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from command import sgi
 
 pytest.importorskip("distributed")
 
 from sgicodec import EncodeSettings, encode_picture, open_source, read, write
-from sgicodec.cli.main import cli
 from sgicodec.device import ONE_THREAD
 from sgicodec.encoder.input.windows import windows_of
 from sgicodec.encoder.plan import Plan, stream_plan
@@ -48,23 +48,8 @@ def test_a_worker_that_dies_is_survived(tmp_path: Path) -> None:
 def test_same_bytes_as_one_process(
     photo: Path, settings: EncodeSettings, tmp_path: Path, options: tuple[str, ...]
 ) -> None:
-    from click.testing import CliRunner
-
     out = tmp_path / "out.sgi"
-    arguments = [
-        "encode",
-        str(photo),
-        str(out),
-        "--tile",
-        "64",
-        "--steps",
-        "8",
-        "--overview",
-        "--cluster",
-        "local:2",
-        *options,
-    ]
-    result = CliRunner().invoke(cli, arguments)
+    result = sgi("encode", photo, out, "--tile", 64, "--steps", 8, "--overview", "--cluster", "local:2", *options)
     assert result.exit_code == 0, result.output
     assert out.read_bytes() == encode_picture(read(photo), settings).data
 

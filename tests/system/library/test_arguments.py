@@ -3,24 +3,13 @@
 from __future__ import annotations
 
 import ctypes
-import shutil
 import threading
 
 import numpy as np
 import pytest
-from library import ROOT, Info, Library, LibraryError, Options
+from library import NEEDS_COMPILER, Info, Library, LibraryError, Options, golden
 
-pytestmark = [
-    pytest.mark.slow,
-    pytest.mark.skipif(not shutil.which("cmake") or not shutil.which("cc"), reason="needs cmake and a C compiler"),
-]
-
-
-GOLDEN = sorted((ROOT / "tests" / "conformance" / "golden").glob("*.sgi"))
-
-
-def golden(name: str) -> bytes:
-    return next(path for path in GOLDEN if path.stem == name).read_bytes()
+pytestmark = NEEDS_COMPILER
 
 
 WRONG_VIEWS = [

@@ -11,29 +11,20 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from library import ROOT, Info, Library, Options, View
+from data_files import GOLDEN_STREAMS
+from library import NEEDS_COMPILER, ROOT, Info, Library, Options, View
 from PIL import Image
 
 import sgicodec
 
-pytestmark = [
-    pytest.mark.slow,
-    pytest.mark.skipif(not shutil.which("cmake") or not shutil.which("cc"), reason="needs cmake and a C compiler"),
-]
-
-
-GOLDEN = sorted((ROOT / "tests" / "conformance" / "golden").glob("*.sgi"))
+pytestmark = NEEDS_COMPILER
 
 
 HEADER = ROOT / "include" / "sgi.h"
 
 
-def golden(name: str) -> bytes:
-    return next(path for path in GOLDEN if path.stem == name).read_bytes()
-
-
 @pytest.mark.skipif(not shutil.which("pkg-config"), reason="needs pkg-config")
-@pytest.mark.parametrize("path", GOLDEN, ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", GOLDEN_STREAMS, ids=lambda path: path.stem)
 def test_the_example_draws_golden_streams(path: Path, decoder: Path, tmp_path: Path) -> None:
     """What it writes is what `sgi decode` does."""
     out = tmp_path / "out.ppm"
@@ -52,7 +43,7 @@ def thumbnail(example: Callable[..., Path]) -> Path:
 
 
 @pytest.mark.skipif(not shutil.which("pkg-config"), reason="needs pkg-config")
-@pytest.mark.parametrize("path", GOLDEN, ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", GOLDEN_STREAMS, ids=lambda path: path.stem)
 def test_the_example_of_a_window_draws_golden_streams(path: Path, thumbnail: Path, tmp_path: Path) -> None:
     """Pixels with alpha multiplied in; what has no colours is refused."""
     out = tmp_path / "out.bmp"

@@ -10,11 +10,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from data_files import GOLDEN_STREAMS
 from library import ROOT, Handle, Library
 from PIL import Image
 
 NEEDED = ("cmake", "cc", "pkg-config", "gdk-pixbuf-thumbnailer", "update-mime-database")
-GOLDEN = sorted((ROOT / "tests" / "conformance" / "golden").glob("*.sgi"))
 Thumbnailer = Callable[..., "subprocess.CompletedProcess[str]"]
 
 
@@ -68,7 +68,7 @@ def colours(handle: Handle, columns: int, rows: int) -> np.ndarray:
     return handle.draw(sample=0, pixels=1, columns=columns, rows=rows)
 
 
-@pytest.mark.parametrize("path", GOLDEN, ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", GOLDEN_STREAMS, ids=lambda path: path.stem)
 def test_thumbnails_are_what_the_library_draws(
     path: Path, thumbnailer: Thumbnailer, library: Library, tmp_path: Path
 ) -> None:
@@ -89,7 +89,7 @@ def test_thumbnails_are_what_the_library_draws(
 @pytest.mark.parametrize("kept", [1, 8, 20, 300])
 def test_a_file_that_is_cut_is_refused(kept: int, thumbnailer: Thumbnailer, tmp_path: Path) -> None:
     path = tmp_path / "a.sgi"
-    path.write_bytes(GOLDEN[-1].read_bytes()[:kept])
+    path.write_bytes(GOLDEN_STREAMS[-1].read_bytes()[:kept])
     done = thumbnailer(path, tmp_path / "out.png", 50)
     assert done.returncode not in (0, -11, -6)
     assert not (tmp_path / "out.png").exists()

@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import json
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
-from children import HANGS
+from little_memory import printed
 from repeated_tiles import TILE, repeated_tiles
-from sanitizer import needs_plain_memory
 
 import sgicodec
 
@@ -44,12 +41,9 @@ print(json.dumps([refused, (peak() - before) << 10]))
 
 def drawn(path: Path, library: Path, side: int, cache_bytes: int = 0, tile_bytes: int = 0) -> tuple[str, int]:
     """The status that a process ends with which draws all of a stream, by squares, and the bytes that it grew by."""
-    needs_plain_memory()
-    code = READER.format(arguments=(str(path), str(library), side, cache_bytes, tile_bytes))
-    environment = {"OPENBLAS_NUM_THREADS": "1", "PYTHONPATH": ":".join(sys.path)}
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=HANGS, env=environment)
-    assert done.returncode == 0, done.stderr
-    refused, grown = json.loads(done.stdout)
+    refused, grown = json.loads(
+        printed(READER.format(arguments=(str(path), str(library), side, cache_bytes, tile_bytes)))
+    )
     return refused, grown
 
 

@@ -2,23 +2,19 @@
 
 from __future__ import annotations
 
-import shutil
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from library import ROOT, SAMPLES, Handle, Library, LibraryError
+from data_files import GOLDEN_STREAMS
+from library import NEEDS_COMPILER, SAMPLES, Handle, Library, LibraryError
 from numpy.typing import NDArray
 
 import sgicodec
 
-pytestmark = [
-    pytest.mark.slow,
-    pytest.mark.skipif(not shutil.which("cmake") or not shutil.which("cc"), reason="needs cmake and a C compiler"),
-]
+pytestmark = NEEDS_COMPILER
 
-GOLDEN = sorted((ROOT / "tests" / "conformance" / "golden").glob("*.sgi"))
 MULTI, LAYOUTS = 0, {1: [0, 0, 0], 2: [0, 0, 0, 1], 3: [0, 1, 2], 4: [0, 1, 2, 3]}
 RGBA, BGRA = 1, 2
 OPAQUE = {"uint8": 255, "uint16": 65535, "float32": 1}
@@ -47,7 +43,7 @@ def no_content(handle: Handle, shown: NDArray[Any], **fields: Any) -> NDArray[np
     return np.all(np.isnan(own) if np.isnan(info.nodata) else own == info.nodata, axis=2)
 
 
-@pytest.mark.parametrize("path", GOLDEN, ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", GOLDEN_STREAMS, ids=lambda path: path.stem)
 @pytest.mark.parametrize("premultiplied", [0, 1])
 def test_colours_are_those_of_the_channels(path: Path, premultiplied: int, library: Library) -> None:
     handle = library.open(path.read_bytes())
@@ -68,7 +64,7 @@ def test_colours_are_those_of_the_channels(path: Path, premultiplied: int, libra
 
 @pytest.mark.parametrize("name", ["rgb8", "gray8-alpha", "float-near", "rgba8-tiles-luma"])
 def test_what_lies_outside_is_transparent(name: str, library: Library) -> None:
-    handle = library.open(next(path for path in GOLDEN if path.stem == name).read_bytes())
+    handle = library.open(next(path for path in GOLDEN_STREAMS if path.stem == name).read_bytes())
     info = handle.info()
     size = {"x": -7, "y": -3, "width": info.width + 9, "height": info.height + 8, "boundless": 1, "sample": 0}
     found = handle.draw(pixels=RGBA, **size)
@@ -91,7 +87,7 @@ def test_pixels_without_content_are_transparent(dtype: type, library: Library) -
         np.testing.assert_array_equal(alpha, np.where(empty, 0, OPAQUE[SAMPLES[sample]]).astype(SAMPLES[sample]))
 
 
-@pytest.mark.parametrize("path", GOLDEN, ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", GOLDEN_STREAMS, ids=lambda path: path.stem)
 def test_bands_of_rows_make_the_whole(path: Path, library: Library) -> None:
     handle = library.open(path.read_bytes())
     info = handle.info()

@@ -18,21 +18,18 @@ from typing import Any
 import numpy as np
 import pytest
 from children import HANGS
-from library import ROOT
+from data_files import GOLDEN_STREAMS
+from library import NEEDS_COMPILER, ROOT
 from numpy.typing import NDArray
 from PIL import Image, ImageCms
 
 import sgicodec
 from sgicodec.metadata.blobs import Metadata
 
-pytestmark = [
-    pytest.mark.slow,
-    pytest.mark.skipif(not shutil.which("cmake") or not shutil.which("cc"), reason="needs cmake and a C compiler"),
-]
+pytestmark = NEEDS_COMPILER
 
 SGI = (sys.executable, "-m", "sgicodec")
-GOLDEN = sorted((ROOT / "tests" / "conformance" / "golden").glob("*.sgi"))
-RGB, FLOAT, TILES = (GOLDEN[0].with_stem(name) for name in ("rgb8", "float", "rgb8-tiles-lossless"))
+RGB, FLOAT, TILES = (GOLDEN_STREAMS[0].with_stem(name) for name in ("rgb8", "float", "rgb8-tiles-lossless"))
 DEPTHS = {"8": "uint8", "16": "uint16", "32": "float32"}
 FORMATS = {"gray": {"pgm", "pam", "png"}, "rgb": {"ppm", "pam", "png"}, "multi": {"pam"}}
 """By layout, those that hold 8 and 16 bits; others are `pam` and `png`."""
@@ -72,7 +69,7 @@ def read(path: Path) -> NDArray[Any]:
     return read_pam(path) if path.suffix == ".pam" else np.atleast_3d(sgicodec.read(path).pixels)
 
 
-@pytest.mark.parametrize("path", GOLDEN, ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", GOLDEN_STREAMS, ids=lambda path: path.stem)
 def test_pictures_are_those_of_the_package(path: Path, sgidec: Path, formats: set[str], tmp_path: Path) -> None:
     with sgicodec.open(path) as stream:
         layout = stream.header.channels
@@ -137,7 +134,7 @@ def test_options_mean_what_they_mean_in_sgi(name: str, options: list[str], sgide
         ([RGB, "a"], 2, "a has no extension that names a format"),
         ([RGB, "a.pfm"], 3, "a.pfm: pfm cannot hold 8 bits per sample"),
         ([FLOAT, "a.ppm"], 3, "pnm cannot hold 32-bit float per sample"),
-        ([GOLDEN[-1], "a.ppm"], 3, "pnm cannot hold rgba"),
+        ([GOLDEN_STREAMS[-1], "a.ppm"], 3, "pnm cannot hold rgba"),
         ([RGB, "there.ppm"], 6, "there.ppm exists; give -f to overwrite it"),
         ([RGB, "there.sgi", "--format", "ppm", "-f"], 2, "there.sgi is a stream, no picture"),
         ([RGB, "folder", "--format", "ppm"], 2, "folder is a folder"),
@@ -184,7 +181,7 @@ def test_force_replaces_a_picture(sgidec: Path, tmp_path: Path) -> None:
     assert out.read_bytes().startswith(b"P6\n192 128\n255\n")
 
 
-@pytest.mark.parametrize(("path", "start"), [(RGB, b"P6"), (FLOAT, b"Pf"), (GOLDEN[-1], b"P7")])
+@pytest.mark.parametrize(("path", "start"), [(RGB, b"P6"), (FLOAT, b"Pf"), (GOLDEN_STREAMS[-1], b"P7")])
 def test_pipes(path: Path, start: bytes, sgidec: Path) -> None:
     """What comes out of one is the simplest format that holds it."""
     piped = run(sgidec, "-", "-", input=path.read_bytes())
@@ -265,9 +262,9 @@ def test_a_profile_that_png_refuses_is_told(sgidec: Path, formats: set[str], tmp
 
 
 def test_the_report_has_keys_of_sgi_info(prefix: Path) -> None:
-    ours = done(prefix / "bin" / "sgi-info", "--json", "--verify", *GOLDEN).decode().splitlines()
-    theirs = done(*SGI, "info", "--json", "--survey", *GOLDEN).decode().splitlines()
-    for path, line, other in zip(GOLDEN, ours, theirs, strict=True):
+    ours = done(prefix / "bin" / "sgi-info", "--json", "--verify", *GOLDEN_STREAMS).decode().splitlines()
+    theirs = done(*SGI, "info", "--json", "--survey", *GOLDEN_STREAMS).decode().splitlines()
+    for path, line, other in zip(GOLDEN_STREAMS, ours, theirs, strict=True):
         found, expected = json.loads(line), json.loads(other)
         with sgicodec.open(path) as stream:
             header = stream.header

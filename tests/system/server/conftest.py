@@ -8,13 +8,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from data_files import GOLDEN
 from http_server import Client, running
 
 import sgicodec
 from sgicodec.server.app import Settings, application
 from sgicodec.server.catalog import Folder
-
-GOLDEN = Path(__file__).parents[2] / "conformance" / "golden"
 
 
 @pytest.fixture(scope="session")

@@ -4,21 +4,14 @@ from __future__ import annotations
 
 import re
 import signal
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner, Result
+from command import sgi
 from http_server import Client, running, start
 
-from sgicodec.cli.main import cli
 from sgicodec.server.app import Settings, application
 from sgicodec.server.catalog import ListedFiles
-
-
-@pytest.fixture
-def sgi() -> Callable[..., Result]:
-    return lambda *arguments: CliRunner().invoke(cli, [str(argument) for argument in arguments])
 
 
 @pytest.mark.parametrize("end", [signal.SIGTERM, signal.SIGINT])
@@ -66,7 +59,7 @@ def test_viewing(folder: Path) -> None:
         (("view", "."), 4, "it is a folder"),
     ],
 )
-def test_refused(sgi: Callable[..., Result], arguments: tuple[str, ...], status: int, text: str) -> None:
+def test_refused(arguments: tuple[str, ...], status: int, text: str) -> None:
     result = sgi(*arguments)
     assert (result.exit_code, result.stdout) == (status, "")
     assert text in result.stderr

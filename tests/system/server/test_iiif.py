@@ -9,12 +9,11 @@ from urllib.parse import quote
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from command import sgi
 from http_server import Answer, Client
 from PIL import Image
 
 import sgicodec
-from sgicodec.cli.main import cli
 
 TILES = "/iiif/3/rgb8-tiles.sgi"
 WIDE = "/iiif/3/wide.sgi"
@@ -28,8 +27,7 @@ def pixels(answer: Answer) -> np.ndarray:
 def decoded(stream: Path, folder: Path, *options: object) -> np.ndarray:
     """What the command draws."""
     target = folder / "decoded.png"
-    arguments = ["decode", str(stream), str(target), "--depth", "8", "-f", "--quiet", *map(str, options)]
-    assert CliRunner().invoke(cli, arguments).exit_code == 0
+    assert sgi("decode", stream, target, "--depth", 8, "-f", "--quiet", *options).exit_code == 0
     return np.asarray(Image.open(target))
 
 

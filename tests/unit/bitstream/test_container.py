@@ -8,11 +8,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from pipe import trickle
-from surgery import frame, split
+from surgery import split
 
 from sgicodec.bitstream.container import SIGNATURE, ChunkWriter
 from sgicodec.decoder.stream import open_stream
-from sgicodec.errors import CorruptStreamError, UnsupportedStreamError, UsageError
+from sgicodec.errors import CorruptStreamError, UsageError
 
 GOLDEN = bytes.fromhex(
     "89 53 47 49 0d 0a 1a 0a"  # signature
@@ -62,12 +62,6 @@ def test_layout_is_that_of_the_format_document() -> None:
 def test_round_trip(source: Callable[[bytes], bytes | BinaryIO], chunks: dict[str, bytes]) -> None:
     everything = {"H": HEAD, **chunks, "T": TILE}
     assert kinds_of(source(file_of(*everything.items()))) == everything
-
-
-def test_unknown_optional_chunks_are_skipped_and_required_ones_refused() -> None:
-    assert kinds_of(file_of(("H", HEAD), ("q", b"?"), ("T", TILE))) == {"H": HEAD, "T": TILE}
-    with pytest.raises(UnsupportedStreamError, match=f"chunk Q at byte {len(frame('H', HEAD)) + 8} is required"):
-        open_stream(file_of(("H", HEAD), ("Q", b"?")))
 
 
 @pytest.mark.parametrize(

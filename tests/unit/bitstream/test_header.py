@@ -7,12 +7,11 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from data_files import GOLDEN_STREAMS
 from surgery import split, with_fields
 
 from sgicodec.bitstream.header import FORMAT_VERSION, decode_header, encode_header
 from sgicodec.errors import CorruptStreamError, LimitError, UnsupportedStreamError
-
-GOLDEN = sorted((Path(__file__).parents[2] / "conformance" / "golden").glob("*.sgi"))
 
 
 def header_of(path: Path, **changes: int | Callable[[int], int]) -> bytes:
@@ -21,10 +20,10 @@ def header_of(path: Path, **changes: int | Callable[[int], int]) -> bytes:
 
 
 def named(stem: str) -> Path:
-    return next(path for path in GOLDEN if path.stem == stem)
+    return next(path for path in GOLDEN_STREAMS if path.stem == stem)
 
 
-@pytest.mark.parametrize("path", GOLDEN, ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", GOLDEN_STREAMS, ids=lambda path: path.stem)
 def test_headers_come_back_byte_by_byte(path: Path) -> None:
     payload = header_of(path)
     assert encode_header(decode_header(payload)) == payload
@@ -42,7 +41,7 @@ def test_ranges_bands_and_exact_samples_come_back() -> None:
     assert decode_header(encode_header(replace(bands, sample_range=(low, high)))).sample_range == (low, high)
 
 
-@pytest.mark.parametrize("path", GOLDEN, ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", GOLDEN_STREAMS, ids=lambda path: path.stem)
 @pytest.mark.parametrize("what", ["texture", "luma_space", "restoration"])
 def test_what_tiles_may_have_comes_back(path: Path, what: str) -> None:
     header = decode_header(header_of(path))
@@ -59,12 +58,12 @@ def test_what_tiles_may_have_comes_back(path: Path, what: str) -> None:
 @pytest.mark.parametrize("version", [*range(FORMAT_VERSION), FORMAT_VERSION + 1, 1 << 20])
 def test_other_versions_are_refused(version: int) -> None:
     with pytest.raises(UnsupportedStreamError, match=f"format version {version}; this program reads version"):
-        decode_header(header_of(GOLDEN[0], version=version))
+        decode_header(header_of(GOLDEN_STREAMS[0], version=version))
 
 
 def test_unknown_flags_are_refused() -> None:
     with pytest.raises(LimitError, match="the flags"):
-        decode_header(header_of(GOLDEN[0], flags=lambda flags: flags | 1 << 9))
+        decode_header(header_of(GOLDEN_STREAMS[0], flags=lambda flags: flags | 1 << 9))
 
 
 @pytest.mark.parametrize("fields", [{"per_seed": 2}, {"features": 3}, {"features": 5}, {"hidden": 4}])

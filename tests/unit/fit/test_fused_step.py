@@ -1,6 +1,7 @@
 """The fused step against the same model under automatic differentiation, on every instruction set."""
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -20,7 +21,6 @@ from sgicodec.model.spec import ModelSpec
 from sgicodec.profiles.default import default_spec
 from sgicodec.profiles.fit_settings import FitSettings, Phase, Rounding
 from sgicodec.raster.cpu import NativeRasterizer
-from tests.support.torch_step.context_net import ContextNet
 from tests.support.torch_step.quantization_proxy import QuantizationProxy
 from tests.support.torch_step.raster_op import error
 from tests.support.torch_step.rate import bits_laplace
@@ -61,28 +61,19 @@ class Problem:
     def __init__(self, spec: ModelSpec, frozen: bool = False) -> None:
         self.spec = spec
         self.layout, self.target, self.parameters = random_fit(spec, WIDTH, HEIGHT, QUALITY, LONGEST, frozen)
-        self.proxy = Recorded(spec, FAMILY)
-        self.proxy.set_layout(self.layout, QUALITY, WIDTH, HEIGHT)
+        settings = FitSettings(LMBDA, (Phase(1),), seed=SEED)
+        self.reference = AutogradStep(spec, settings, NativeRasterizer(Device(1)), FAMILY, (WIDTH, HEIGHT))
+        self.reference.proxy = self.proxy = Recorded(spec, FAMILY)
+        self.reference.set_layout(self.layout, QUALITY)
 
     @property
     def values(self) -> dict[str, np.ndarray]:
         return self.parameters.seeds.values
 
-    def autograd_step(self, rounding: Rounding, level: int, isa: str = "auto", number: int = 0) -> StepResult:
-        net = ContextNet(self.parameters.context)
-        own = {name: a for name, a in self.parameters.trained().items() if name not in net.leaves}
-        leaves = {name: torch.from_numpy(array).requires_grad_() for name, array in own.items()} | net.leaves
-        values = {name: leaves[name] for name in self.values}
+    def autograd_step(self, rounding: Rounding, level: int, isa: str = "auto", weighted: bool = False) -> StepResult:
+        self.reference.raster = NativeRasterizer(Device(1, isa))
         self.proxy.age, self.proxy.predicted = 0, []
-        attributes, bits = torch.cat(list(values.values()), dim=1), torch.zeros(1)
-        if rounding != "none":
-            sample = self.proxy.sample(values, net, leaves["steps"], rounding, NoiseKey.of(SEED, number))
-            attributes, bits = sample.attributes, sample.bits
-        error = self.error_of(attributes, level, isa)
-        side = net.difference_bits() if rounding != "none" else torch.zeros(())
-        (error + LMBDA * (bits.sum() + side)).backward()  # type: ignore[no-untyped-call]
-        gradients = {name: leaf.grad.numpy() for name, leaf in leaves.items() if leaf.grad is not None}
-        return StepResult(float(error.detach()), float(bits.detach().sum()), gradients)
+        return self.reference.run(*self.step_at(rounding, level, weighted))
 
     def decide(self) -> None:
         """Moves what lies so near to the end of a quantisation interval that its side is a matter of the last bits."""
@@ -99,35 +90,21 @@ class Problem:
                 return
         raise AssertionError("some decisions stay open")
 
-    def error_of(self, attributes: Tensor, level: int, isa: str) -> Tensor:
-        """Of the Gaussians of these attributes [N, d_A]."""
-        scale = 0.5**level
-        centre, cell = torch.from_numpy(self.layout.centre) * scale, torch.from_numpy(self.layout.cell) * scale
-        opponent = torch.tensor(colour_matrix(self.spec.channels))
-        gaussians = gaussians_from_seeds(self.spec, attributes, centre, cell, {}, opponent, torch)
-        return error(gaussians, torch.from_numpy(self.reduced(level)), NativeRasterizer(Device(1, isa)))[0]
-
     def fused(self, isa: str = "auto", threads: int = 1) -> FusedStep:
         device = Device(threads, isa)
         step = FusedStep(self.spec, SEED, NativeRasterizer(device), device)
         step.set_layout(self.layout, QUALITY)
         return step
 
-    def fused_step(
-        self,
-        rounding: Rounding,
-        level: int,
-        isa: str = "auto",
-        threads: int = 1,
-        step: FusedStep | None = None,
-        number: int = 0,
-    ) -> StepResult:
-        step = step or self.fused(isa, threads)
-        lmbda = LMBDA if rounding != "none" else 0.0
-        return step.run(self.parameters, rounding, number, Level(self.reduced(level), 0.5**level), lmbda)
+    def fused_step(self, rounding: Rounding, level: int, isa: str = "auto", weighted: bool = False) -> StepResult:
+        return self.fused(isa).run(*self.step_at(rounding, level, weighted))
 
-    def reduced(self, level: int) -> np.ndarray:
-        return np.ascontiguousarray(self.target[:, :: 2**level, :: 2**level])
+    def step_at(self, rounding: Rounding, level: int, weighted: bool = False) -> tuple[Any, ...]:
+        """What a step is given."""
+        samples = np.ascontiguousarray(self.target[:, :: 2**level, :: 2**level])
+        weights = np.random.default_rng(9).uniform(0.2, 3.0, samples.shape[1:]).astype(np.float32)
+        at = Level(samples, 0.5**level, weights if weighted else None)
+        return self.parameters, rounding, 0, at, LMBDA if rounding != "none" else 0.0
 
 
 def assert_close(found: StepResult, expected: StepResult) -> None:
@@ -166,10 +143,11 @@ def test_between_its_runs_the_network_said_constants(isa: str) -> None:
     problem = Problem(default_spec(3, prior=0), frozen=True)
     problem.autograd_step("noise", 0, isa)
     step = problem.fused(isa)
-    whole = problem.fused_step("noise", 0, isa, step=step)
+    given = problem.step_at("noise", 0)
+    whole = step.run(*given)
     for value in problem.values.values():
         value += 0.1
-    found = problem.fused_step("noise", 0, isa, step=step)
+    found = step.run(*given)
 
     costs, drawn, column = torch.zeros(()), [], 0
     leaves = {name: torch.from_numpy(value).requires_grad_() for name, value in problem.values.items()}
@@ -180,7 +158,11 @@ def test_between_its_runs_the_network_said_constants(isa: str) -> None:
         column += value.shape[1]
         drawn.append(value + q * torch.from_numpy(noise).float())
         costs = costs + bits_laplace(drawn[-1] - m, q.expand_as(drawn[-1]), s.expand_as(drawn[-1])).sum()
-    (problem.error_of(torch.cat(drawn, dim=1), 0, isa) + LMBDA * costs).backward()  # type: ignore[no-untyped-call]
+    centre, cell = torch.from_numpy(problem.layout.centre), torch.from_numpy(problem.layout.cell)
+    opponent = torch.tensor(colour_matrix(problem.spec.channels))
+    gaussians = gaussians_from_seeds(problem.spec, torch.cat(drawn, dim=1), centre, cell, {}, opponent, torch)
+    loss = error(gaussians, torch.from_numpy(given[3].samples), problem.reference.raster)[0]
+    (loss + LMBDA * costs).backward()  # type: ignore[no-untyped-call]
     gradients = {name: leaf.grad.numpy() for name, leaf in leaves.items() if leaf.grad is not None}
     shared = {name: gradient for name, gradient in whole.gradients.items() if name not in gradients}
     assert shared.keys() == {"steps", "context.difference"}
@@ -191,7 +173,7 @@ def test_between_its_runs_the_network_said_constants(isa: str) -> None:
 
 def test_threads_change_no_bit() -> None:
     problem = Problem(default_spec(3, prior=0))
-    one, four = (problem.fused_step("noise", 0, threads=threads) for threads in (1, 4))
+    one, four = (problem.fused(threads=threads).run(*problem.step_at("noise", 0)) for threads in (1, 4))
     assert (one.error, one.bits) == (four.error, four.bits)
     for name, gradient in one.gradients.items():
         np.testing.assert_array_equal(gradient, four.gradients[name])
@@ -201,14 +183,8 @@ def test_threads_change_no_bit() -> None:
 @pytest.mark.parametrize("level", [0, 1])
 def test_weights_are_those_of_automatic_differentiation(level: int, isa: str) -> None:
     """Gradients are of the weighted error, the error is plain. Without noise, so that both draw the same."""
-    problem, rng = Problem(SPECS["default"]), np.random.default_rng(9)
-    samples = problem.reduced(level)
-    reduced = Level(samples, 0.5**level, rng.uniform(0.2, 3.0, samples.shape[1:]).astype(np.float32))
-    raster = NativeRasterizer(Device(1, isa))
-    reference = AutogradStep(problem.spec, FitSettings(LMBDA, (Phase(1),)), raster, FAMILY, (WIDTH, HEIGHT))
-    reference.set_layout(problem.layout, QUALITY)
-    found = problem.fused(isa).run(problem.parameters, "none", 0, reduced, 0.0)
-    expected = reference.run(problem.parameters, "none", 0, reduced, 0.0)
+    problem = Problem(SPECS["default"])
+    found, expected = problem.fused_step("none", level, isa, True), problem.autograd_step("none", level, isa, True)
     plain = problem.fused_step("none", level, isa)
     assert found.error == pytest.approx(expected.error, rel=2e-5)
     assert found.error == pytest.approx(plain.error, rel=1e-6)

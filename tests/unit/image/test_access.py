@@ -3,23 +3,20 @@
 from __future__ import annotations
 
 import tracemalloc
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
+from image_files import noise, save
 from window_rows import window_rows
 
 from sgicodec import open_source, read, write
 from sgicodec.errors import PictureError
 from sgicodec.picture import Picture
 
-Save = Callable[..., Path]
-Noise = Callable[..., np.ndarray]
-
 
 @pytest.mark.parametrize("extension", ["png", "tif"])
-def test_memory_stays_below_what_is_promised(tmp_path: Path, noise: Noise, extension: str) -> None:
+def test_memory_stays_below_what_is_promised(tmp_path: Path, extension: str) -> None:
     path = tmp_path / f"x.{extension}"
     write(Picture(noise(3000, 1600, 3, "uint8"), "rgb", (0.0, 255.0)), path)
     with open_source(path) as source:
@@ -34,7 +31,7 @@ def test_memory_stays_below_what_is_promised(tmp_path: Path, noise: Noise, exten
         assert peak < source.memory(416, 416) < 3000 * 1600 * 3
 
 
-def test_the_cap_is_on_what_is_held(tmp_path: Path, save: Save, noise: Noise) -> None:
+def test_the_cap_is_on_what_is_held(tmp_path: Path) -> None:
     pixels = noise(2000, 1000, 3, "uint8")
     tiles = save(tmp_path / "x.tif", pixels, tile=(64, 64))
     turned = save(tmp_path / "y.tif", pixels, Orientation=6)

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import io
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from data_files import PICTURES
 from PIL import Image
 
 from sgicodec import read
@@ -16,7 +16,6 @@ from sgicodec.image.conversion import as_picture
 from sgicodec.metadata import density, ifd
 
 RGB = np.random.default_rng(0).integers(0, 256, (5, 7, 3), np.uint8)
-ODD = Path(__file__).parents[2] / "data" / "pictures"
 
 
 @pytest.mark.parametrize(
@@ -72,7 +71,7 @@ def test_images_of_pillow_are_what_their_files_are() -> None:
     exif[0x0112], exif[0x010E] = 6, "a day out"
     exif.get_ifd(0x8769).update({40962: 7, 40963: 5})
     Image.fromarray(RGB).save(
-        buffer, "png", exif=exif, dpi=(254, 508), icc_profile=read(ODD / "icc_profile.png").metadata.icc
+        buffer, "png", exif=exif, dpi=(254, 508), icc_profile=read(PICTURES / "icc_profile.png").metadata.icc
     )
     picture, expected = as_picture(Image.open(buffer)), as_picture(buffer.getvalue())
     np.testing.assert_array_equal(picture.pixels, expected.pixels)

@@ -4,9 +4,9 @@ import struct
 from pathlib import Path
 
 import numpy as np
-import OpenImageIO as oiio
 import pytest
 import tifffile
+from image_files import save
 
 from sgicodec import open_source, read
 from sgicodec.errors import PictureError
@@ -42,13 +42,7 @@ def test_where_white_is_zero_other_samples_stay(
 @pytest.mark.parametrize("name", ["int16", "int8", "double", "half"])
 def test_other_sample_types_become_float(tmp_path: Path, name: str) -> None:
     stored = np.array([[-3, 0], [5, 100]], {"double": "f8", "half": "f2"}.get(name, name))[..., None]
-    spec = oiio.ImageSpec(2, 2, 1, name)
-    spec.attribute("tiff:half", 1)
-    image = oiio.ImageOutput.create("x.tif")
-    assert image.open(str(tmp_path / "x.tif"), spec)
-    assert image.write_image(stored)
-    image.close()
-    picture = read(tmp_path / "x.tif")
+    picture = read(save(tmp_path / "x.tif", stored, tiff__half=1))
     assert picture.pixels.dtype == np.float32
     assert picture.pixels.ravel().tolist() == [-3.0, 0.0, 5.0, 100.0]
     assert picture.sample_range == (-3.0, 100.0)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import struct
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,7 @@ from PIL import Image
 
 from sgicodec import open_source, read
 from sgicodec.errors import PictureError, UsageError
+from sgicodec.metadata.pages import tiff_pages
 
 STACK = np.random.default_rng(2).integers(0, 256, (3, 24, 32), np.uint8)
 COLOURS = np.random.default_rng(3).integers(0, 256, (3, 24, 32, 3), np.uint8)
@@ -134,3 +136,17 @@ def test_images_without_a_directory(tmp_path: Path) -> None:
         read(tmp_path / "x.tif", page=2)
     with pytest.raises(UsageError, match="no page 8"):
         read(tmp_path / "x.tif", page=8)
+
+
+def test_a_chain_that_is_damaged_ends_there() -> None:
+    data = bytearray(tiff(list(STACK)))
+    first, second, third = (page.offset for page in tiff_pages(bytes(data)))
+    count = struct.unpack("<H", data[second : second + 2])[0]
+    place = slice(second + 2 + 12 * count, second + 6 + 12 * count)
+    for wrong in (first, second, len(data) + 9):
+        data[place] = struct.pack("<I", wrong)
+        assert [page.offset for page in tiff_pages(bytes(data))][:2] == [first, second]
+    data[place] = struct.pack("<I", third)
+    assert len(tiff_pages(bytes(data))) == 3
+    assert tiff_pages(b"II*\0" + bytes(3)) == []
+    assert tiff_pages(b"no TIFF") == []

@@ -5,11 +5,11 @@ from __future__ import annotations
 import io
 import struct
 import zlib
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
+from image_files import noise
 from scenes import ISAS
 
 from sgicodec import write
@@ -18,8 +18,6 @@ from sgicodec.image import png_output
 from sgicodec.image.sink import open_sink
 from sgicodec.metadata.layouts import LAYOUTS
 from sgicodec.picture import Picture, full_range
-
-Noise = Callable[..., np.ndarray]
 
 
 def chunks_of(data: bytes) -> list[tuple[bytes, bytes]]:
@@ -73,7 +71,7 @@ def written(pixels: np.ndarray, layout: str, **options: int) -> bytes:
 @pytest.mark.parametrize("layout", LAYOUTS)
 @pytest.mark.parametrize("dtype", ["uint8", "uint16"])
 @pytest.mark.parametrize(("height", "width"), [(1, 1), (2, 3), (37, 20)])
-def test_another_reader_sees_the_samples(noise: Noise, layout: str, dtype: str, height: int, width: int) -> None:
+def test_another_reader_sees_the_samples(layout: str, dtype: str, height: int, width: int) -> None:
     pixels = noise(height, width, LAYOUTS[layout], dtype)
     np.testing.assert_array_equal(pixels_of(written(pixels, layout)), pixels)
 

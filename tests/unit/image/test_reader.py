@@ -3,19 +3,19 @@ from __future__ import annotations
 import io
 import struct
 import zlib
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import OpenImageIO as oiio
 import pytest
+from data_files import PICTURES
+from image_files import noise
 
 from sgicodec import read, write
 from sgicodec.errors import PictureError
 from sgicodec.image.reader import probe
+from sgicodec.metadata.png import chunk
 from sgicodec.picture import Metadata, Picture
-
-Noise = Callable[..., np.ndarray]
 
 ODD = {
     "16bit.cropped.tif": ((64, 64, 1), "uint16", "gray"),
@@ -56,11 +56,11 @@ DAMAGED = {
 
 
 @pytest.mark.parametrize("name", ODD)
-def test_odd_pictures(pictures: Path, name: str) -> None:
+def test_odd_pictures(name: str) -> None:
     shape, dtype, channels = ODD[name]
-    picture = read(pictures / name)
+    picture = read(PICTURES / name)
     assert (picture.pixels.shape, picture.pixels.dtype.name, picture.channels) == (shape, dtype, channels)
-    header = probe(pictures / name)
+    header = probe(PICTURES / name)
     assert (header.height, header.width, header.count) == shape
     assert (header.dtype, header.channels) == (picture.pixels.dtype, channels)
 
@@ -82,21 +82,19 @@ def test_odd_pictures(pictures: Path, name: str) -> None:
         ("s03n3p01.png", "RGB"),
     ],
 )
-def test_pixels_are_what_another_reader_sees(pictures: Path, name: str, mode: str) -> None:
+def test_pixels_are_what_another_reader_sees(name: str, mode: str) -> None:
     image = pytest.importorskip("PIL.Image")
-    with image.open(pictures / name) as other:
+    with image.open(PICTURES / name) as other:
         expected = np.asarray(other.convert(mode))
-    np.testing.assert_array_equal(read(pictures / name).pixels, expected.reshape(*expected.shape[:2], -1))
+    np.testing.assert_array_equal(read(PICTURES / name).pixels, expected.reshape(*expected.shape[:2], -1))
 
 
 @pytest.mark.parametrize("name", DAMAGED)
-def test_damage_is_refused_in_one_line_that_names_the_file(
-    pictures: Path, name: str, capfd: pytest.CaptureFixture[str]
-) -> None:
+def test_damage_is_refused_in_one_line_that_names_the_file(name: str, capfd: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(PictureError) as caught:
-        read(pictures / name)
+        read(PICTURES / name)
     message = str(caught.value)
-    assert message.startswith(str(pictures / name))
+    assert message.startswith(str(PICTURES / name))
     assert DAMAGED[name] in message
     assert "\n" not in message
     assert capfd.readouterr().err == ""
@@ -106,10 +104,8 @@ def test_damage_is_refused_in_one_line_that_names_the_file(
     "name", ["basn2c16.png", "hopper.sgi", "hopper_gray.jpg", "hopper_1bit.pbm", "tiff_16bit_RGBa.tiff"]
 )
 @pytest.mark.parametrize("share", [0.1, 0.5, 0.9, 0.99])
-def test_files_cut_anywhere_are_refused(
-    pictures: Path, name: str, share: float, capfd: pytest.CaptureFixture[str]
-) -> None:
-    data = (pictures / name).read_bytes()
+def test_files_cut_anywhere_are_refused(name: str, share: float, capfd: pytest.CaptureFixture[str]) -> None:
+    data = (PICTURES / name).read_bytes()
     with pytest.raises(PictureError):
         read(data[: int(share * len(data))])
     assert capfd.readouterr().err == ""
@@ -172,10 +168,10 @@ def test_a_png_of_an_iphone_is_named() -> None:
         read(_png(b"CgBI", b"\x50\0\x20\2"))
 
 
-def test_more_samples_than_allowed(pictures: Path) -> None:
-    assert read(pictures / "basn2c08.png", max_samples=32 * 32 * 3).width == 32
+def test_more_samples_than_allowed() -> None:
+    assert read(PICTURES / "basn2c08.png", max_samples=32 * 32 * 3).width == 32
     with pytest.raises(PictureError, match=r"32 × 32 pixels of 3 channels .* 3071 samples"):
-        read(pictures / "basn2c08.png", max_samples=32 * 32 * 3 - 1)
+        read(PICTURES / "basn2c08.png", max_samples=32 * 32 * 3 - 1)
 
 
 def test_a_huge_header_takes_no_memory() -> None:
@@ -187,7 +183,7 @@ XMP = b'<x:xmpmeta xmlns:x="adobe:ns:meta/"><rdf:Description tiff:Orientation="%
 
 
 @pytest.mark.parametrize("extension", ["png", "webp", "jpg"])
-def test_orientation_that_stands_in_xmp_alone_is_applied(tmp_path: Path, noise: Noise, extension: str) -> None:
+def test_orientation_that_stands_in_xmp_alone_is_applied(tmp_path: Path, extension: str) -> None:
     path = tmp_path / f"x.{extension}"
     stored = np.repeat(noise(3, 5, 1, "uint8"), 3, axis=2)
     write(Picture(stored, "rgb", (0.0, 255.0), Metadata(xmp=XMP % 6)), path)
@@ -198,8 +194,8 @@ def test_orientation_that_stands_in_xmp_alone_is_applied(tmp_path: Path, noise: 
         np.testing.assert_array_equal(picture.pixels, np.rot90(stored, -1))
 
 
-def test_associated_alpha_is_divided_out(pictures: Path) -> None:
-    path = pictures / "tiff_16bit_RGBa.tiff"
+def test_associated_alpha_is_divided_out() -> None:
+    path = PICTURES / "tiff_16bit_RGBa.tiff"
     stored = oiio.ImageInput.open(str(path)).read_image("uint16").astype(np.float64)
     pixels = read(path).pixels
     np.testing.assert_array_equal(pixels[..., 3], stored[..., 3])
@@ -209,27 +205,16 @@ def test_associated_alpha_is_divided_out(pictures: Path) -> None:
     np.testing.assert_array_equal(pixels[~visible], stored[~visible])
 
 
-def test_a_profile_for_other_channels_is_left_behind(pictures: Path) -> None:
-    profile = read(pictures / "icc_profile.png").metadata.icc
+def test_a_profile_for_other_channels_is_left_behind() -> None:
+    profile = read(PICTURES / "icc_profile.png").metadata.icc
     assert profile is not None
     for space, kept in ((b"RGB ", True), (b"CMYK", False), (b"GRAY", False)):
         packed = zlib.compress(profile[:16] + space + profile[20:])
         assert (read(_png(b"iCCP", b"x\0\0" + packed)).metadata.icc is not None) == kept
 
 
-def _png(
-    kind: bytes,
-    contents: bytes,
-    width: int = 1,
-    height: int = 1,
-    pixels: bytes = b"\0\1\2\3",
-    packed: bytes | None = None,
-) -> bytes:
-    """A PNG file of one RGB pixel, whatever its header says, by hand, with one chunk more; packed instead of pixels."""
-
-    def chunk(kind: bytes, contents: bytes) -> bytes:
-        return struct.pack(">I", len(contents)) + kind + contents + struct.pack(">I", zlib.crc32(kind + contents))
-
+def _png(kind: bytes, contents: bytes, width: int = 1, height: int = 1) -> bytes:
+    """A PNG file of one RGB pixel, whatever its header says, with one chunk more."""
     header = chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0))
-    data = chunk(b"IDAT", zlib.compress(pixels) if packed is None else packed)
+    data = chunk(b"IDAT", zlib.compress(b"\0\1\2\3"))
     return b"\x89PNG\r\n\x1a\n" + header + chunk(kind, contents) + data + chunk(b"IEND", b"")

@@ -2,7 +2,6 @@ from __future__ import annotations
 
 import io
 import shutil
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +10,7 @@ import tifffile
 from examples import examples
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from image_files import noise
 
 from sgicodec import read, write
 from sgicodec.errors import PictureError, UsageError
@@ -20,8 +20,6 @@ from sgicodec.image.sink import open_sink
 from sgicodec.metadata import geo, ifd
 from sgicodec.metadata.layouts import LAYOUTS
 from sgicodec.picture import Metadata, Picture, full_range
-
-Noise = Callable[..., np.ndarray]
 
 GEO = geo.pack({geo.PIXEL_SCALE: ifd.Entry(12, np.array([2.0, 2.0, 0.0]).tobytes())})
 
@@ -72,7 +70,7 @@ def test_tiled_tiff(heights: list[int], count: int) -> None:
     assert len(directory[324].data) == 4 * 3 * 2  # places of tiles, down and across
 
 
-def test_large_tiff_is_big(noise: Noise, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_large_tiff_is_big(monkeypatch: pytest.MonkeyPatch) -> None:
     picture = Picture(noise(40, 30, 3, "uint8"), "rgb", (0.0, 255.0), Metadata(xmp=b"<x/>", geo=GEO))
     for limit, signature in ((1 << 30, b"II*\0"), (100, b"II+\0")):
         monkeypatch.setattr(output, "_CLASSIC_BYTES", limit)
@@ -83,7 +81,7 @@ def test_large_tiff_is_big(noise: Noise, monkeypatch: pytest.MonkeyPatch) -> Non
         assert back.metadata == picture.metadata
 
 
-def test_an_exception_leaves_what_was_there(noise: Noise, tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+def test_an_exception_leaves_what_was_there(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     pixels = noise(40, 30, 3, "uint8")
     for holder in FORMATS:
         if "uint8" not in holder.dtypes:
@@ -98,7 +96,7 @@ def test_an_exception_leaves_what_was_there(noise: Noise, tmp_path: Path, capfd:
     assert capfd.readouterr().err == ""
 
 
-def test_rows_that_do_not_follow(noise: Noise, tmp_path: Path) -> None:
+def test_rows_that_do_not_follow(tmp_path: Path) -> None:
     rows = noise(10, 30, 3, "uint8")
     with open_sink(tmp_path / "x.png", 30, 15, "rgb", "uint8") as sink:
         with pytest.raises(UsageError, match="rows 5 to 15 do not follow: 0 of 15"):
@@ -148,7 +146,7 @@ def test_bands_without_a_meaning_are_no_colours(tmp_path: Path, count: int, size
     assert back.channels == {1: "gray", 3: "rgb"}.get(count, "multi")
 
 
-def test_colours_and_alpha_are_declared_so(tmp_path: Path, noise: Noise) -> None:
+def test_colours_and_alpha_are_declared_so(tmp_path: Path) -> None:
     for channels, count in LAYOUTS.items():
         write(Picture(noise(5, 6, count, "uint8"), channels, (0.0, 255.0)), tmp_path / "x.tif")
         with tifffile.TiffFile(tmp_path / "x.tif") as file:

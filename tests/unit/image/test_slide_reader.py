@@ -10,11 +10,11 @@ import numpy as np
 import openslide
 import pytest
 import tifffile
-from click.testing import CliRunner, Result
+from click.testing import Result
+from command import sgi
 from PIL import Image
 
 import sgicodec
-from sgicodec.cli.main import cli
 from sgicodec.errors import MissingExtraError, PictureError
 from sgicodec.image.slide_reader import is_slide
 from sgicodec.metadata.georeference import resolution
@@ -65,8 +65,7 @@ def test_windows(slide: Path) -> None:
 
 def test_label_and_macro_as_files(slide: Path, tmp_path: Path) -> None:
     def encode(*options: object) -> Result:
-        arguments = ["encode", slide, tmp_path / "b.sgi", "--steps", 1, "--quiet", "--associated", *options]
-        return CliRunner().invoke(cli, list(map(str, arguments)))
+        return sgi("encode", slide, tmp_path / "b.sgi", "--steps", 1, "--quiet", "--associated", *options)
 
     assert encode("--no-verify").exit_code == 0
     assert sorted(path.name for path in tmp_path.iterdir()) == ["b.label.png", "b.macro.png", "b.sgi"]
@@ -76,7 +75,7 @@ def test_label_and_macro_as_files(slide: Path, tmp_path: Path) -> None:
     again = encode("--no-verify")
     assert (again.exit_code, "b.label.png exists" in again.output) == (6, True)
     assert not (tmp_path / "b.sgi").exists()
-    no_slide = CliRunner().invoke(cli, ["encode", str(tmp_path / "b.label.png"), "--associated"])
+    no_slide = sgi("encode", tmp_path / "b.label.png", "--associated")
     text = "it is no slide that OpenSlide reads; --associated takes the label and the macro of slides"
     assert (no_slide.exit_code, text in no_slide.output) == (3, True)
 

@@ -4,16 +4,18 @@ import io
 import itertools
 import struct
 import tempfile
-import zlib
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+import tifffile
 from examples import examples
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
+from image_files import noise, save
+from tags import exif_blob
 from window_rows import window_rows
 
 from sgicodec import open_source, read, write
@@ -22,10 +24,6 @@ from sgicodec.image import access
 from sgicodec.image.opened import Opened
 from sgicodec.metadata import ifd
 from sgicodec.picture import Metadata, Picture, nodata_mask
-
-Save = Callable[..., Path]
-Noise = Callable[..., np.ndarray]
-Blob = Callable[..., bytes]
 
 WIDTH, HEIGHT = 71, 53
 STRIP_OFFSETS, TILE_OFFSETS = 273, 324
@@ -75,37 +73,13 @@ ANY_WINDOWS = st.lists(
 
 def save_planes(path: Path, pixels: np.ndarray, rows: int) -> Path:
     """A TIFF of planes, one after the other in compressed strips of several rows, which OpenImageIO cannot write."""
-    height, width, count = pixels.shape
-    stored = pixels.astype(pixels.dtype.newbyteorder("<"))
-    strips = [
-        zlib.compress(stored[top : top + rows, :, plane].tobytes())
-        for plane, top in itertools.product(range(count), range(0, height, rows))
-    ]
-    places = itertools.accumulate(map(len, strips), initial=8)
-    numbers = {
-        256: [width],
-        257: [height],
-        258: [8 * pixels.itemsize] * count,
-        259: [8],
-        262: [1],
-        273: list(places)[:-1],
-        277: [count],
-        278: [rows],
-        279: [len(strip) for strip in strips],
-        284: [2],
-        338: [0] * (count - 1),
-    }
-    directory: ifd.Directory = {
-        tag: ifd.Entry(4, struct.pack(f"<{len(values)}I", *values)) for tag, values in numbers.items()
-    }
-    body = b"".join(strips)
-    body += bytes(len(body) % 2)
-    path.write_bytes(b"II*\0" + struct.pack("<I", 8 + len(body)) + body + ifd.dump(directory, 8 + len(body)))
+    options: dict[str, Any] = {"planarconfig": "separate", "compression": "zlib", "rowsperstrip": rows}
+    tifffile.imwrite(path, np.moveaxis(pixels, -1, 0), photometric="minisblack", metadata=None, **options)
     return path
 
 
 @pytest.fixture(scope="module")
-def files(save: Save) -> Iterator[dict[str, Path]]:
+def files() -> Iterator[dict[str, Path]]:
     """One file of each kind, of samples whose colours are not larger than their alpha."""
     with tempfile.TemporaryDirectory() as folder:
         made = {}
@@ -139,9 +113,7 @@ def test_windows_are_parts_of_the_whole(
 
 @pytest.mark.parametrize("orientation", range(1, 9))
 @pytest.mark.parametrize("kind", ["tiles", "strips", "png"])
-def test_windows_of_turned_pictures(
-    tmp_path: Path, save: Save, noise: Noise, exif_blob: Blob, kind: str, orientation: int
-) -> None:
+def test_windows_of_turned_pictures(tmp_path: Path, kind: str, orientation: int) -> None:
     stored = noise(HEIGHT, WIDTH, 3, "uint8")
     path = tmp_path / f"x.{KINDS[kind][0]}"
     if kind == "png":
@@ -205,7 +177,7 @@ def test_damage_is_found_in_its_window(
     assert capfd.readouterr().err == ""
 
 
-def test_the_range_of_floats_is_found_in_parts(tmp_path: Path, save: Save, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_range_of_floats_is_found_in_parts(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     pixels = np.linspace(-3.0, 8.0, 60 * 70, dtype=np.float32).reshape(60, 70, 1)
     monkeypatch.setattr("sgicodec.image.source._SCAN_SAMPLES", 500)
     for tile in ((0, 0), (16, 16)):
@@ -225,9 +197,7 @@ def test_the_range_of_floats_is_found_in_parts(tmp_path: Path, save: Save, monke
 
 
 @pytest.mark.parametrize("stated", [(0.0, 1.0), None])
-def test_not_a_number_is_nodata_where_nothing_else_is(
-    tmp_path: Path, save: Save, stated: tuple[float, float] | None
-) -> None:
+def test_not_a_number_is_nodata_where_nothing_else_is(tmp_path: Path, stated: tuple[float, float] | None) -> None:
     pixels = np.zeros((60, 70, 1), np.float32)
     pixels[40, 40] = np.nan
     with open_source(save(tmp_path / "x.tif", pixels, tile=(16, 16)), sample_range=stated) as source:

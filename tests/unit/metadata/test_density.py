@@ -2,7 +2,6 @@ from __future__ import annotations
 
 import io
 import struct
-import zlib
 from typing import Any
 
 import numpy as np
@@ -13,6 +12,7 @@ from sgicodec import read, write
 from sgicodec.metadata import density
 from sgicodec.metadata.density import Density
 from sgicodec.metadata.georeference import resolution
+from sgicodec.metadata.png import chunk
 
 image = pytest.importorskip("PIL.Image")
 PIXELS = np.full((9, 17, 3), 100, np.uint8)
@@ -28,9 +28,7 @@ def _jpeg(unit: int, across: int, down: int, **options: Any) -> bytes:
 def _png(unit: int, across: int, down: int) -> bytes:
     file = io.BytesIO()
     image.fromarray(PIXELS).save(file, "PNG")
-    chunk = b"pHYs" + struct.pack(">IIB", across, down, unit)
-    whole = struct.pack(">I", 9) + chunk + struct.pack(">I", zlib.crc32(chunk))
-    return file.getvalue()[:33] + whole + file.getvalue()[33:]
+    return file.getvalue()[:33] + chunk(b"pHYs", struct.pack(">IIB", across, down, unit)) + file.getvalue()[33:]
 
 
 @pytest.mark.parametrize(

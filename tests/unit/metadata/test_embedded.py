@@ -3,11 +3,11 @@ from __future__ import annotations
 import io
 import struct
 import zlib
-from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
 import pytest
+from data_files import PICTURES
+from tags import exif_blob
 
 from sgicodec import read, write
 from sgicodec.errors import PictureError
@@ -17,7 +17,6 @@ from sgicodec.metadata import png as png_file
 from sgicodec.metadata import webp as webp_file
 from sgicodec.picture import Metadata, Picture
 
-Blob = Callable[..., bytes]
 HOLDERS = ["jpeg", "png", "tiff", "webp"]
 XMP = b'<x:xmpmeta xmlns:x="adobe:ns:meta/"><odd:Thing xmlns:odd="urn:x">\xc3\xa4</odd:Thing></x:xmpmeta>'
 
@@ -34,8 +33,8 @@ def _flat(metadata: Metadata, count: int = 3) -> Picture:
 
 
 @pytest.mark.parametrize("format", HOLDERS)
-def test_all_metadata_comes_back(pictures: Path, exif_blob: Blob, format: str) -> None:
-    icc = read(pictures / "icc_profile.png").metadata.icc
+def test_all_metadata_comes_back(format: str) -> None:
+    icc = read(PICTURES / "icc_profile.png").metadata.icc
     written = Metadata(icc, exif_blob(orientation=1), XMP)
     back = read(_through(_flat(written), format)).metadata
     assert (back.icc, back.xmp) == (icc, XMP)
@@ -51,8 +50,8 @@ def test_all_metadata_comes_back(pictures: Path, exif_blob: Blob, format: str) -
 
 @pytest.mark.parametrize("format", HOLDERS)
 @pytest.mark.parametrize("name", ["exif_gps.jpg", "pil_sample_cmyk.jpg"])
-def test_camera_exif_survives(pictures: Path, format: str, name: str) -> None:
-    source = read(pictures / name)
+def test_camera_exif_survives(format: str, name: str) -> None:
+    source = read(PICTURES / name)
     back = read(_through(source, format))
     assert back.metadata.xmp == source.metadata.xmp
     assert source.metadata.exif is not None
@@ -78,7 +77,7 @@ PLACES = [
 
 @pytest.mark.parametrize("place", PLACES)
 @pytest.mark.parametrize("turn", [3, 6, 8])
-def test_an_orientation_is_applied_once(exif_blob: Blob, place: str, turn: int) -> None:
+def test_an_orientation_is_applied_once(place: str, turn: int) -> None:
     ramp = np.arange(9 * 17, dtype=np.uint8).reshape(9, 17, 1).repeat(3, 2)
     picture = Picture(ramp, "rgb", (0.0, 255.0))
     format, _, how = place.replace("raw profile", "png raw").partition(" ")
@@ -109,17 +108,14 @@ def test_an_orientation_is_applied_once(exif_blob: Blob, place: str, turn: int) 
 
 
 def test_compressed_png_text_and_its_limits() -> None:
-    def chunk(kind: bytes, contents: bytes) -> bytes:
-        return struct.pack(">I", len(contents)) + kind + contents + struct.pack(">I", zlib.crc32(kind + contents))
-
-    packed = chunk(b"iTXt", b"XML:com.adobe.xmp\0\1\0\0\0" + zlib.compress(XMP))
+    packed = png_file.chunk(b"iTXt", b"XML:com.adobe.xmp\0\1\0\0\0" + zlib.compress(XMP))
     plain = _through(_flat(Metadata()), "png")
     assert png_file.find(plain[:33] + packed + plain[33:]) == (None, XMP, None)
-    broken = chunk(b"zTXt", b"Raw profile type exif\0\0garbage")
+    broken = png_file.chunk(b"zTXt", b"Raw profile type exif\0\0garbage")
     assert png_file.find(plain[:33] + broken + plain[33:]) == (None, None, None)
 
 
-def test_more_than_a_jpeg_segment_holds(exif_blob: Blob) -> None:
+def test_more_than_a_jpeg_segment_holds() -> None:
     most = exif_blob(1) + bytes(65527 - len(exif_blob(1)))
     assert read(_through(_flat(Metadata(exif=most)), "jpeg")).metadata.exif == most
     with pytest.raises(PictureError, match="jpeg cannot hold 65528 bytes of EXIF, only 65527"):
@@ -133,10 +129,10 @@ def _by_pillow(data: bytes) -> tuple[bytes | None, bytes | None]:
         return blob and blob.removeprefix(b"Exif\0\0"), other.info.get("xmp")
 
 
-def test_pillow_finds_the_same_bytes(pictures: Path, exif_blob: Blob) -> None:
+def test_pillow_finds_the_same_bytes() -> None:
     """Those before the pixels, in whatever the repository has of these formats and in what is written."""
-    files = [path.read_bytes() for path in sorted(pictures.glob("*.[jp][pn]g")) if not path.name.startswith("x")]
-    files += [path.read_bytes() for path in sorted(pictures.glob("x*.jpg"))]
+    files = [path.read_bytes() for path in sorted(PICTURES.glob("*.[jp][pn]g")) if not path.name.startswith("x")]
+    files += [path.read_bytes() for path in sorted(PICTURES.glob("x*.jpg"))]
     files += [_through(_flat(Metadata(exif=exif_blob(1), xmp=XMP)), format) for format in ("jpeg", "png", "webp")]
     plain = _through(_flat(Metadata()), "jpeg")
     segment = b"\xff\xff\xff\xe1" + struct.pack(">H", 8 + len(exif_blob(6))) + b"Exif\0\0" + exif_blob(6)

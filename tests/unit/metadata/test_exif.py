@@ -1,20 +1,18 @@
 from __future__ import annotations
 
 import struct
-from collections.abc import Callable
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from tags import exif_blob
 
 from sgicodec.metadata import exif, ifd, tiff
 from sgicodec.metadata.motion import Motion
 
-Blob = Callable[..., bytes]
-
 
 @pytest.mark.parametrize("order", ["<", ">"])
-def test_a_directory_is_read_in_both_byte_orders(exif_blob: Blob, order: str) -> None:
+def test_a_directory_is_read_in_both_byte_orders(order: str) -> None:
     assert ifd.load(exif_blob(orientation=6, order=order)) == {
         271: ifd.Entry(2, b"Maker\0"),
         274: ifd.Entry(3, b"\6\0"),
@@ -47,7 +45,7 @@ def test_damaged_blobs_raise_nothing_else(tail: bytes, cut: int) -> None:
 
 
 @pytest.mark.parametrize("order", ["<", ">"])
-def test_upright_changes_the_orientation_and_nothing_else(exif_blob: Blob, order: str) -> None:
+def test_upright_changes_the_orientation_and_nothing_else(order: str) -> None:
     blob = exif_blob(orientation=6, order=order)
     assert exif.upright(b"Exif\0\0" + blob) == exif_blob(orientation=1, order=order)
 

@@ -2,20 +2,18 @@ from __future__ import annotations
 
 import io
 import struct
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from image_files import save
 from tags import TIED, doubles, geo_keys, rational, shorts, text
 
 from sgicodec import open_source, read, write
 from sgicodec.metadata import geo, ifd, placement, tiff
 from sgicodec.picture import Metadata, Picture, full_range
-
-Save = Callable[..., Path]
 
 ALL: dict[int, ifd.Entry] = {
     282: rational(20000),
@@ -52,7 +50,7 @@ def test_the_blob_of_the_documentation() -> None:
     assert blob == bytes.fromhex(f"49 49 2A 00 08 00 00 00  02 00  {rows}  00 00 00 00  {values}")
 
 
-def test_tags_survive_a_tiff(tmp_path: Path, save: Save) -> None:
+def test_tags_survive_a_tiff(tmp_path: Path) -> None:
     path = _tagged(save(tmp_path / "x.tif", np.zeros((4, 6, 3), np.uint8)), ALL)
     with open_source(path) as source:
         blob = source.metadata.geo
@@ -97,7 +95,7 @@ def test_nodata_may_be_no_number() -> None:
 @pytest.mark.parametrize(
     ("bits", "dtype", "nodata"), [(4, "uint8", 9), (1, "uint8", 1), (10, "uint16", 511), (12, "uint16", 4000)]
 )
-def test_nodata_is_stretched_like_its_samples(tmp_path: Path, save: Save, bits: int, dtype: str, nodata: int) -> None:
+def test_nodata_is_stretched_like_its_samples(tmp_path: Path, bits: int, dtype: str, nodata: int) -> None:
     most, largest = (1 << bits) - 1, int(np.iinfo(dtype).max)
     pixels = np.full((8, 8, 1), (nodata * largest + most - 1) // most, dtype)
     pixels[0] = 0

@@ -2,18 +2,17 @@ from __future__ import annotations
 
 import io
 import struct
-from collections.abc import Callable
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from tags import exif_blob
 
 from sgicodec import read
 from sgicodec.metadata import jpeg
 
 image = pytest.importorskip("PIL.Image")
-Blob = Callable[..., bytes]
 XMP = b"http://ns.adobe.com/xap/1.0/\0"
 PACKET = b"<x:xmpmeta xmlns:x='adobe:ns:meta/'/>"
 
@@ -44,7 +43,7 @@ def segment(payload: bytes, marker: int = 0xE1) -> bytes:
     ],
 )
 @pytest.mark.parametrize("at", [2, 20])
-def test_what_may_stand_before_a_segment(exif_blob: Blob, before: bytes, at: int) -> None:
+def test_what_may_stand_before_a_segment(before: bytes, at: int) -> None:
     data, blob = plain(), exif_blob(orientation=6)
     whole = data[:at] + before + segment(b"Exif\0\0" + blob) + b"\xff" + segment(XMP + PACKET) + data[at:]
     assert jpeg.find(whole) == (blob, PACKET, None)

@@ -10,12 +10,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from data_files import DATA
 
 from sgicodec.errors import SgiError
 from sgicodec.metrics import perceptual
 from sgicodec.metrics.perceptual import Perceived, butteraugli, perceived
-
-DATA = Path(__file__).parents[2] / "data"
 
 
 def photo(name: str) -> np.ndarray:

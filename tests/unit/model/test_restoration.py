@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import hashlib
-from pathlib import Path
 
 import numpy as np
 import pytest
+from data_files import ROOT
 from restoration_reader import OPPONENT, PARTS, corrected
 from scenes import ISAS
 
 from sgicodec.device import Device
 from sgicodec.model.restoration import Restoration
 
-ROOT = Path(__file__).parents[3]
 NETWORKS = sorted(int(path.stem.removeprefix("restoration")) for path in PARTS.glob("restoration*.bin"))
 SHAPES = [(3, 70, 130), (3, 1, 1), (3, 2, 200), (3, 200, 3), (1, 40, 50), (2, 40, 50), (4, 67, 125), (5, 64, 120)]
 

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import page_header
 import pytest
+from data_files import GOLDEN_STREAMS
 from hypothesis import given
 from hypothesis import strategies as st
 from surgery import join, split, with_fields
@@ -17,8 +18,7 @@ from surgery import join, split, with_fields
 from sgicodec.bitstream.header import Header, decode_header
 from sgicodec.errors import SgiError
 
-GOLDEN = sorted((Path(__file__).parents[2] / "conformance" / "golden").glob("*.sgi"))
-PAYLOADS = [split(path.read_bytes())[0][1] for path in GOLDEN]
+PAYLOADS = [split(path.read_bytes())[0][1] for path in GOLDEN_STREAMS]
 
 
 def outcome(decode: Callable[[bytes], Header], payload: bytes) -> Any:
@@ -33,7 +33,7 @@ def check(payload: bytes) -> None:
     np.testing.assert_equal(outcome(decode_header, payload), outcome(page_header.decode_header, payload))
 
 
-@pytest.mark.parametrize("path", GOLDEN, ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", GOLDEN_STREAMS, ids=lambda path: path.stem)
 def test_golden_headers_are_read(path: Path) -> None:
     payload = split(path.read_bytes())[0][1]
     assert decode_header(payload) == page_header.decode_header(payload)
@@ -49,7 +49,11 @@ def test_damaged_headers_are_judged_alike(payload: bytes, data: st.DataObject) -
 
 @given(
     st.sampled_from(
-        [p for p, path in zip(PAYLOADS, GOLDEN, strict=True) if path.stem in ("float", "gray16", "rgb8", "multi8")]
+        [
+            p
+            for p, path in zip(PAYLOADS, GOLDEN_STREAMS, strict=True)
+            if path.stem in ("float", "gray16", "rgb8", "multi8")
+        ]
     ),
     st.sampled_from([0, 4, 64, 68, 128, 132, 256, 324]),
     st.sampled_from([b"", b"\1", b"\2", b"\3", b"\5"]),

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pytest
+from data_files import GOLDEN_STREAMS
 from mutate import mutated
 from surgery import split
 
@@ -13,7 +12,6 @@ from sgicodec import _native
 from sgicodec.device import Device
 from sgicodec.errors import SgiError
 
-GOLDEN = sorted((Path(__file__).parents[2] / "conformance" / "golden").glob("*.sgi"))
 DEVICES = [Device(1), Device(3, "portable")]
 
 
@@ -33,7 +31,7 @@ def outcome(header: bytes, payload: bytes, device: Device, checked: bool) -> tup
 @pytest.mark.parametrize("seed", range(4))
 def test_every_device_ends_alike(seed: int) -> None:
     """With the checksum of symbols compared, and without: what a forger could make fit."""
-    streams, rng = [path.read_bytes() for path in GOLDEN], np.random.default_rng(seed)
+    streams, rng = [path.read_bytes() for path in GOLDEN_STREAMS], np.random.default_rng(seed)
     ends = set()
     for _ in range(80):
         data = mutated(streams[int(rng.integers(len(streams)))], streams, rng)

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pytest
+from data_files import GOLDEN
 
 from sgicodec.decoder.stream import Stream, open_stream
-
-GOLDEN = Path(__file__).parents[2] / "conformance" / "golden"
 
 
 @pytest.fixture(params=["gray16", "gray16-texture", "float"])

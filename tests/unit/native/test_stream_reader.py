@@ -9,6 +9,7 @@ from typing import BinaryIO
 
 import numpy as np
 import pytest
+from data_files import GOLDEN_STREAMS
 from mutate import mutated
 from pipe import trickle
 from surgery import Parts, frame, join, split
@@ -17,9 +18,8 @@ from sgicodec import _native
 from sgicodec.device import ONE_THREAD
 from sgicodec.errors import CorruptStreamError, LimitError, SgiError, StreamError, UnsupportedStreamError
 
-GOLDEN = sorted((Path(__file__).parents[2] / "conformance" / "golden").glob("*.sgi"))
-STREAMS = [path.read_bytes() for path in GOLDEN]
-TILED = next(path for path in GOLDEN if path.stem == "rgb8-tiles").read_bytes()
+STREAMS = [path.read_bytes() for path in GOLDEN_STREAMS]
+TILED = next(path for path in GOLDEN_STREAMS if path.stem == "rgb8-tiles").read_bytes()
 TILES = [payload for letter, payload in split(TILED) if letter == "T"]
 
 Source = Callable[[bytes], bytes | BinaryIO]
@@ -41,7 +41,7 @@ SOURCES: list[Source] = [bytes, io.BytesIO, in_the_middle, trickle]
 
 
 @pytest.mark.parametrize("source", SOURCES)
-@pytest.mark.parametrize("path", GOLDEN, ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", GOLDEN_STREAMS, ids=lambda path: path.stem)
 def test_all_chunks_are_found_from_every_source(path: Path, source: Source) -> None:
     data = path.read_bytes()
     parts = split(data)
@@ -130,6 +130,7 @@ def orders() -> dict[str, tuple[Parts, object]]:
         "a tile lost": ([*head, *tiles[:-1], end], damaged),
         "a tile twice": ([*head, *tiles, tiles[1], end], damaged),
         "overviews": ([*head, head[2], *tiles, end], damaged),
+        "an overview behind tiles": ([*head[:2], *tiles, head[2], end], damaged),
     }
 
 

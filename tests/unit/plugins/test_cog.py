@@ -8,11 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 import rasterio
-from click.testing import CliRunner
+from command import sgi
 from rasterio.transform import from_origin
 
 import sgicodec
-from sgicodec.cli.main import cli
 from sgicodec.plugins.cog import write_cog
 
 PLACE = from_origin(500000, 5400000, 10, 10)
@@ -38,8 +37,7 @@ def test_place_nodata_and_overviews(stream: sgicodec.Stream, tmp_path: Path) -> 
 
 
 def test_the_command_cuts_a_part(stream: sgicodec.Stream, on_map: Path, tmp_path: Path) -> None:
-    arguments = ["decode", str(on_map), str(tmp_path / "a.tif"), "--cog", "--region", "100,100,400,200", "--quiet"]
-    result = CliRunner().invoke(cli, arguments)
+    result = sgi("decode", on_map, tmp_path / "a.tif", "--cog", "--region", "100,100,400,200", "--quiet")
     assert result.exit_code == 0, result.output
     with rasterio.open(tmp_path / "a.tif") as file:
         assert file.bounds == (501000, 5397000, 505000, 5399000)

@@ -10,10 +10,10 @@ import openslide
 import pytest
 import rasterio
 import tifffile
-from click.testing import CliRunner, Result
+from command import sgi
+from data_files import GOLDEN
 
 import sgicodec
-from sgicodec.cli.main import cli
 from sgicodec.errors import MissingExtraError, PictureError, UsageError
 from sgicodec.metadata import geo, ifd
 from sgicodec.picture import Metadata, Picture
@@ -21,17 +21,12 @@ from sgicodec.plugins.cog import write_cog
 from sgicodec.plugins.compression import METHODS, Compression
 from sgicodec.plugins.pyramid import write_pyramid
 
-GOLDEN = Path(__file__).parents[2] / "conformance" / "golden"
 PHOTO = GOLDEN / "rgb8-tiles-texture.sgi"
-
-
-def run(*arguments: object) -> Result:
-    return CliRunner().invoke(cli, [str(argument) for argument in arguments])
 
 
 def written(tmp_path: Path, compression: str, *arguments: object, source: Path = PHOTO) -> Path:
     out = tmp_path / f"{compression.replace(':', '-')}{'.tif' if arguments else '.ome.tif'}"
-    result = run("decode", source, out, "--compress", compression, "--scale", 4, "--quiet", *arguments)
+    result = sgi("decode", source, out, "--compress", compression, "--scale", 4, "--quiet", *arguments)
     assert result.exit_code == 0, result.output
     return out
 
@@ -125,7 +120,7 @@ def test_what_is_no_compression(text: str, says: str) -> None:
 
 def test_what_a_method_does_not_hold(on_map: Path, tmp_path: Path) -> None:
     def refused(source: Path, *arguments: object) -> str:
-        result = run("decode", source, tmp_path / "a.tif", "--cog", "--quiet", *arguments)
+        result = sgi("decode", source, tmp_path / "a.tif", "--cog", "--quiet", *arguments)
         assert result.exit_code == 3
         assert result.stderr.count("\n") == 1
         assert not list(tmp_path.iterdir())
@@ -137,16 +132,16 @@ def test_what_a_method_does_not_hold(on_map: Path, tmp_path: Path) -> None:
     assert "not bands without a meaning" in refused(GOLDEN / "multi8.sgi", "--compress", "webp")
     for compression in ("lerc:0.5", "jpeg"):
         options = ("--compress", compression, "--depth", 8 if compression == "jpeg" else 32)
-        result = run("decode", on_map, tmp_path / "a.ome.tif", *options, "--quiet")
+        result = sgi("decode", on_map, tmp_path / "a.ome.tif", *options, "--quiet")
         assert (result.exit_code, "changes which samples are nodata (-9999)" in result.stderr) == (3, True)
-    assert run("decode", on_map, tmp_path / "a.tif", "--cog", "--compress", "lerc", "--quiet").exit_code == 0
+    assert sgi("decode", on_map, tmp_path / "a.tif", "--cog", "--compress", "lerc", "--quiet").exit_code == 0
     with rasterio.open(tmp_path / "a.tif") as file, sgicodec.open(on_map) as stream:
         np.testing.assert_array_equal(file.read(1), stream.read())
 
 
 def test_compress_is_of_tiff(tmp_path: Path) -> None:
     for out in ("a.tif", "a.png", "a.ome.zarr"):
-        result = run("decode", PHOTO, tmp_path / out, "--compress", "jpeg")
+        result = sgi("decode", PHOTO, tmp_path / out, "--compress", "jpeg")
         assert result.exit_code == 2
         assert "--compress is of TIFF" in result.stderr
 
@@ -192,7 +187,7 @@ def test_where_samples_are_lossy_a_mask_stands_for_nodata(
 
 
 def test_a_mask_of_heights(on_map: Path, tmp_path: Path) -> None:
-    result = run("decode", on_map, tmp_path / "a.tif", "--cog", "--compress", "lerc:0.5", "--quiet")
+    result = sgi("decode", on_map, tmp_path / "a.tif", "--cog", "--compress", "lerc:0.5", "--quiet")
     assert result.exit_code == 0, result.output
     with rasterio.open(tmp_path / "a.tif") as file, sgicodec.open(on_map) as stream:
         expected = stream.read()

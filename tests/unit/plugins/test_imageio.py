@@ -7,13 +7,11 @@ from pathlib import Path
 import imageio.v3 as iio
 import numpy as np
 import pytest
+from data_files import GOLDEN, PICTURES
 
 import sgicodec
 import sgicodec.plugins.imageio
 from sgicodec.errors import RegionError, UsageError
-
-GOLDEN = Path(__file__).parents[2] / "conformance" / "golden"
-PICTURES = Path(__file__).parents[2] / "data" / "pictures"
 
 
 @pytest.mark.parametrize("name", ["rgb8", "gray16", "float", "rgba8", "multi8"])

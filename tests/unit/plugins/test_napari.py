@@ -7,11 +7,10 @@ from pathlib import Path
 import npe2
 import numpy as np
 import pytest
+from data_files import GOLDEN
 
 import sgicodec
 from sgicodec.plugins.napari import read
-
-GOLDEN = Path(__file__).parents[2] / "conformance" / "golden"
 
 
 @pytest.fixture(scope="module")

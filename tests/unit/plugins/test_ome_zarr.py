@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 import zarr
-from click.testing import CliRunner, Result
+from command import sgi
+from data_files import GOLDEN
 
 import sgicodec
-from sgicodec.cli.main import cli
 from sgicodec.decoder import bands
 from sgicodec.errors import UsageError
 from sgicodec.metadata import geo
@@ -18,12 +18,6 @@ from sgicodec.metadata.gdal_items import band_facts, named_bands
 from sgicodec.metadata.stacks import resolution_tags
 from sgicodec.picture import Metadata, Picture
 from sgicodec.plugins.ome_zarr import write_ome_zarr
-
-GOLDEN = Path(__file__).parents[2] / "conformance" / "golden"
-
-
-def run(*arguments: object) -> Result:
-    return CliRunner().invoke(cli, [str(argument) for argument in arguments])
 
 
 @pytest.fixture(scope="module")
@@ -73,7 +67,7 @@ def test_a_part_at_a_scale_has_the_size_of_its_pixels(stream: sgicodec.Stream, t
 
 @pytest.mark.parametrize("name", ["rgb8", "rgba8", "gray8-alpha", "gray16", "float", "multi8"])
 def test_layouts_come_back(name: str, tmp_path: Path) -> None:
-    result = run("decode", GOLDEN / f"{name}.sgi", tmp_path / "a.ome.zarr", "--quiet")
+    result = sgi("decode", GOLDEN / f"{name}.sgi", tmp_path / "a.ome.zarr", "--quiet")
     assert result.exit_code == 0, result.output
     picture = sgicodec.read(tmp_path / "a.ome.zarr")
     with sgicodec.open(GOLDEN / f"{name}.sgi") as stream:
@@ -83,26 +77,26 @@ def test_layouts_come_back(name: str, tmp_path: Path) -> None:
 
 def test_names_and_size_survive_an_encode(stream: sgicodec.Stream, tmp_path: Path) -> None:
     write_ome_zarr(stream, tmp_path / "a.zarr")
-    result = run("encode", f"{tmp_path / 'a.zarr'}/", "-e", 1, "--tile", 256, "--quiet")
+    result = sgi("encode", f"{tmp_path / 'a.zarr'}/", "-e", 1, "--tile", 256, "--quiet")
     assert result.exit_code == 0, result.output
     with sgicodec.open(tmp_path / "a.sgi") as again:
         assert [facts.description for facts in band_facts(again.metadata.geo, 3)] == ["DAPI", None, "Cy5"]
-    assert "0.5 × 0.25 µm per pixel" in run("info", tmp_path / "a.sgi").output
+    assert "0.5 × 0.25 µm per pixel" in sgi("info", tmp_path / "a.sgi").output
 
 
 def test_what_may_be_replaced(tmp_path: Path) -> None:
     out, source = tmp_path / "a.zarr", GOLDEN / "rgb8.sgi"
-    assert run("decode", source, out).exit_code == 0
+    assert sgi("decode", source, out).exit_code == 0
     (out / "old").touch()
-    again = run("decode", source, out)
+    again = sgi("decode", source, out)
     assert (again.exit_code, again.stderr) == (6, f"sgi: {out} exists; give -f to overwrite it\n")
     assert (out / "old").exists()
-    assert run("decode", source, out, "-f").exit_code == 0
+    assert sgi("decode", source, out, "-f").exit_code == 0
     assert not (out / "old").exists()
     other = tmp_path / "b.zarr"
     other.mkdir()
     (other / "letter.txt").touch()
-    refused = run("decode", source, other, "-f")
+    refused = sgi("decode", source, other, "-f")
     assert (refused.exit_code, "is not replaced" in refused.stderr) == (2, True)
     assert (other / "letter.txt").exists()
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a.zarr", "b.zarr"]
@@ -110,7 +104,7 @@ def test_what_may_be_replaced(tmp_path: Path) -> None:
 
 def test_what_goes_not_together(stream: sgicodec.Stream, tmp_path: Path) -> None:
     for option in ("--pyramid", "--cog", "--format=png"):
-        result = run("decode", GOLDEN / "rgb8.sgi", tmp_path / "a.zarr", option)
+        result = sgi("decode", GOLDEN / "rgb8.sgi", tmp_path / "a.zarr", option)
         assert (result.exit_code, "is OME-Zarr" in result.stderr) == (2, True)
     with pytest.raises(UsageError, match="is not written to a URL"):
         write_ome_zarr(stream, "memory://a.zarr")

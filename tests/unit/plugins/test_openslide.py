@@ -6,14 +6,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from data_files import GOLDEN
 from PIL import Image
 
 import sgicodec
 from sgicodec.errors import UsageError
 from sgicodec.picture import Metadata, Picture
 from sgicodec.plugins.openslide import Slide
-
-GOLDEN = Path(__file__).parents[2] / "conformance" / "golden"
 
 
 def test_levels_and_regions(pyramid: Path) -> None:

@@ -8,14 +8,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from data_files import GOLDEN, PICTURES
 from PIL import Image, ImageCms
 
 import sgicodec
 from sgicodec.picture import Metadata
 from sgicodec.plugins.pillow import FORMAT, register
-
-GOLDEN = Path(__file__).parents[2] / "conformance" / "golden"
-PICTURES = Path(__file__).parents[2] / "data" / "pictures"
 
 
 @pytest.fixture(autouse=True)

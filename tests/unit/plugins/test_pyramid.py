@@ -6,14 +6,13 @@ import json
 from pathlib import Path
 
 import numpy as np
-import openslide
 import pytest
 import tifffile
-from click.testing import CliRunner, Result
+from command import sgi
+from data_files import GOLDEN
 from PIL import ImageCms
 
 import sgicodec
-from sgicodec.cli.main import cli
 from sgicodec.decoder import bands
 from sgicodec.metadata import geo, ifd
 from sgicodec.metadata.gdal_items import band_facts, named_bands
@@ -21,7 +20,6 @@ from sgicodec.picture import Metadata, Picture
 from sgicodec.plugins.ome_name import is_ome_name
 from sgicodec.plugins.pyramid import write_pyramid
 
-GOLDEN = Path(__file__).parents[2] / "conformance" / "golden"
 WIDTH, HEIGHT = 520, 300
 
 
@@ -78,32 +76,20 @@ def test_metadata_of_ome(stream: sgicodec.Stream, tmp_path: Path) -> None:
         np.testing.assert_array_equal(file.asarray(), expected)
 
 
-def test_openslide_reads_a_pyramid(stream: sgicodec.Stream, tmp_path: Path) -> None:
-    write_pyramid(stream, tmp_path / "a.tif")
-    with openslide.OpenSlide(tmp_path / "a.tif") as slide:
-        assert slide.level_dimensions == ((520, 300), (260, 150), (130, 75))
-        region = np.asarray(slide.read_region((0, 0), 1, (260, 150)))
-        np.testing.assert_array_equal(region[..., :3], stream.read(size=(260, 150)))
-
-
-def run(*arguments: object) -> Result:
-    return CliRunner().invoke(cli, [str(argument) for argument in arguments])
-
-
 def test_the_command(stream: sgicodec.Stream, tmp_path: Path) -> None:
     path = GOLDEN / "rgb8-tiles.sgi"
     for arguments in ((tmp_path / "a.ome.tiff",), (tmp_path / "b.tif", "--pyramid", "--scale", 4, "--depth", 16)):
-        result = run("decode", path, *arguments, "--quiet")
+        result = sgi("decode", path, *arguments, "--quiet")
         assert result.exit_code == 0, result.output
     with tifffile.TiffFile(tmp_path / "a.ome.tiff") as one, tifffile.TiffFile(tmp_path / "b.tif") as two:
         assert (one.is_ome, two.is_ome) == (True, False)
         assert two.pages[0].dtype == np.uint16
         assert [level.shape[1] for level in two.series[0].levels] == [768, 384, 192]
-    out = CliRunner().invoke(cli, ["decode", str(path), "-", "--pyramid"])
+    out = sgi("decode", path, "-", "--pyramid")
     (tmp_path / "c.tif").write_bytes(out.stdout_bytes)
     np.testing.assert_array_equal(tifffile.imread(tmp_path / "c.tif"), sgicodec.imread(path))
     for wrong in (("a.png", "--pyramid"), ("a.tif", "--pyramid", "--cog")):
-        assert run("decode", path, *wrong).exit_code == 2
+        assert sgi("decode", path, *wrong).exit_code == 2
 
 
 def test_a_slide_keeps_its_objective_and_the_size_of_its_pixels(tmp_path: Path) -> None:
@@ -112,17 +98,17 @@ def test_a_slide_keeps_its_objective_and_the_size_of_its_pixels(tmp_path: Path) 
     picture = Picture(np.zeros((32, 48, 3), np.uint8), "rgb", (0, 255), Metadata(exif=exif))
     source = tmp_path / "a.sgi"
     source.write_bytes(sgicodec.encode_picture(picture, sgicodec.EncodeSettings(steps=1, rdoq=False)).data)
-    assert "0.25 µm per pixel (Aperio MPP)\n  objective   40×" in run("info", source).output
+    assert "0.25 µm per pixel (Aperio MPP)\n  objective   40×" in sgi("info", source).output
     for out, options in (("a.ome.tif", ()), ("b.ome.tif", ()), ("a.tif", ("--pyramid", "--scale", "1/4"))):
-        assert run("decode", source, tmp_path / out, *options, "--quiet").exit_code == 0
+        assert sgi("decode", source, tmp_path / out, *options, "--quiet").exit_code == 0
     assert (tmp_path / "a.ome.tif").read_bytes() == (tmp_path / "b.ome.tif").read_bytes()
     with tifffile.TiffFile(tmp_path / "a.ome.tif") as file:
         found = tifffile.xml2dict(file.ome_metadata)["OME"]
         assert found["Instrument"]["Objective"]["NominalMagnification"] == 40
         assert found["Image"]["ObjectiveSettings"]["ID"] == found["Instrument"]["Objective"]["ID"]
         assert found["Image"]["Pixels"]["PhysicalSizeY"] == 0.25
-    assert run("encode", tmp_path / "a.ome.tif", tmp_path / "again.sgi", "-e", 1, "--quiet").exit_code == 0
-    facts = json.loads(run("info", "--json", tmp_path / "again.sgi").output)
+    assert sgi("encode", tmp_path / "a.ome.tif", tmp_path / "again.sgi", "-e", 1, "--quiet").exit_code == 0
+    facts = json.loads(sgi("info", "--json", tmp_path / "again.sgi").output)
     assert (facts["magnification"], facts["resolution"]["microns_per_pixel"]) == ("40", [0.25, 0.25])
     with tifffile.TiffFile(tmp_path / "a.tif") as file:
         assert file.pages[0].description.endswith("|AppMag = 40|MPP = 1|Left = 25.69")
@@ -136,7 +122,7 @@ def test_bands_without_a_meaning_are_planes_with_names(compression: str, tmp_pat
     settings = sgicodec.EncodeSettings(steps=2, tile=256, rdoq=False, overview=False)
     source = tmp_path / "a.sgi"
     source.write_bytes(sgicodec.encode_picture(Picture(pixels, "multi", (0, 255), Metadata(geo=tags)), settings).data)
-    result = run("decode", source, tmp_path / "a.ome.tif", "--compress", compression, "--quiet")
+    result = sgi("decode", source, tmp_path / "a.ome.tif", "--compress", compression, "--quiet")
     assert result.exit_code == 0, result.output
     most = 0 if compression == "deflate" else 40
     with tifffile.TiffFile(tmp_path / "a.ome.tif") as file, sgicodec.open(source) as stream:

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import threading
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from data_files import GOLDEN
 from fake_cuda import backwards, fake_driver, only_gpu, shared_gpu
 
 from sgicodec import decode
@@ -19,8 +19,6 @@ from sgicodec.errors import LimitError
 from sgicodec.raster import painter
 from sgicodec.raster.cuda import CudaRasterizer
 from sgicodec.raster.cuda_texture import drawn_texture
-
-GOLDEN = Path(__file__).parents[2] / "conformance" / "golden"
 
 
 @pytest.fixture

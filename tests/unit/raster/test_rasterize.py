@@ -46,12 +46,6 @@ def test_defaults_and_plain_lists() -> None:
     np.testing.assert_array_equal(image, NativeRasterizer(Device(1), cutoff=DEFAULT_CUTOFF).forward(*SCENE, 60, 40))
 
 
-@pytest.mark.parametrize("backend", ["native", "reference"])
-def test_no_gaussians_are_a_black_picture(backend: Any) -> None:
-    image = rasterize(np.zeros((0, 2)), np.zeros((0, 3)), np.zeros((0, 2)), 1, 1, backend=backend)
-    assert image.tolist() == [[[0.0]], [[0.0]]]
-
-
 @pytest.mark.parametrize(
     ("change", "message"),
     [

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from scenes import covariances_of, exact, random_scene
+from scenes import exact, random_scene
 
 from sgicodec.device import Device
 from sgicodec.raster.cpu import NativeRasterizer
@@ -39,22 +39,6 @@ def test_shrinking_is_an_area_mean(factor: int, sigma: tuple[float, float]) -> N
     assert psnr(image, expected) > 40
     unfiltered = draw((means / factor, covariances / factor**2, colours), SIDE // factor)
     assert psnr(image, expected) > psnr(unfiltered, expected) + 8
-
-
-@pytest.mark.parametrize("factor", [4, 8])
-def test_a_fine_grating_turns_gray(factor: int) -> None:
-    """Stripes of period 3 pixels have no place in a picture at a quarter of the size: they must not beat with it."""
-    x = np.arange(0, SIDE, 1.5)
-    means = np.stack(np.meshgrid(x, np.arange(4, SIDE, 8.0)), axis=-1).reshape(-1, 2)
-    covariances = covariances_of(np.full(len(means), 0.5), np.full(len(means), 12.0), np.full(len(means), np.pi / 2))
-    colours = np.where(np.round(means[:, :1] / 1.5) % 2 == 0, 0.5, -0.5)
-    scene = tuple(np.ascontiguousarray(a, np.float32) for a in (means, covariances, colours))
-    contrast = draw(scene, SIDE)[:, 16:-16, 16:-16].std()
-    inner = slice(16 // factor, -16 // factor)
-    plain = draw(tuple(a / np.float32(s) for a, s in zip(scene, (factor, factor**2, 1), strict=True)), SIDE // factor)
-    image = draw(scaled(*scene, (1 / factor, 1 / factor)), SIDE // factor)
-    assert plain[:, inner, inner].std() > 0.5 * contrast  # it would beat
-    assert image[:, inner, inner].std() < 0.05 * contrast
 
 
 def test_enlarging_draws_between_the_pixels() -> None:

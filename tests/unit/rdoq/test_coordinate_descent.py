@@ -1,11 +1,11 @@
 """Passes against the real coder, and what they say of the squared error against dense sums in float64."""
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from rough_models import stage
 from scenes import ISAS
 
 from sgicodec.bitstream.parts.tile import TileModel, quantise, write_tile
@@ -15,8 +15,6 @@ from sgicodec.rdoq import Objective, RdoqSettings
 from sgicodec.rdoq import coordinate_descent as descent
 from sgicodec.rdoq.coordinate_descent import Symbols, descend
 from sgicodec.rdoq.objective import joined
-
-Stage = Callable[..., tuple[Objective, TileModel]]
 
 PLAIN = RdoqSettings()
 
@@ -48,7 +46,7 @@ def coded(objective: Objective, model: TileModel) -> tuple[NDArray[np.float64], 
     ("channels", "width", "weighted"), [(1, 97, False), (3, 100, False), (4, 48, False), (1, 97, True), (3, 100, True)]
 )
 def test_promised_change_is_that_of_dense_sums(
-    stage: Stage, monkeypatch: pytest.MonkeyPatch, isa: str, channels: int, width: int, weighted: bool
+    monkeypatch: pytest.MonkeyPatch, isa: str, channels: int, width: int, weighted: bool
 ) -> None:
     """A wide cutoff, so that what is left out is below rounding."""
     monkeypatch.setattr(descent, "DEFAULT_CUTOFF", 6.0)
@@ -71,7 +69,7 @@ def test_promised_change_is_that_of_dense_sums(
 
 
 @pytest.mark.parametrize("channels", [1, 3, 4])
-def test_what_a_pass_finds_is_what_the_coder_codes(stage: Stage, channels: int) -> None:
+def test_what_a_pass_finds_is_what_the_coder_codes(channels: int) -> None:
     objective, model = stage(channels)
     for _ in range(2):
         model, symbols = passed(objective, model, 1e-3)
@@ -80,13 +78,13 @@ def test_what_a_pass_finds_is_what_the_coder_codes(stage: Stage, channels: int) 
         assert symbols.bits.sum() == pytest.approx(sum(bits[name] for name in ("colour", "shape", "offset")))
 
 
-def test_same_result_for_any_number_of_threads(stage: Stage) -> None:
+def test_same_result_for_any_number_of_threads() -> None:
     found = [joined(passed(*stage(height=150, width=170, threads=threads), 1e-3)[0]) for threads in (1, 2, 3)]
     np.testing.assert_array_equal(found[0], found[1])
     np.testing.assert_array_equal(found[0], found[2])
 
 
-def test_seeds_outside_the_picture_do_no_harm(stage: Stage) -> None:
+def test_seeds_outside_the_picture_do_no_harm() -> None:
     objective, model = stage()
     assert model.attributes is not None
     attributes = {name: values.copy() for name, values in model.attributes.items()}

@@ -1,11 +1,11 @@
 """What a model leaves, against the stream as written and read."""
 
 import io
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from rough_models import stage
 
 from sgicodec.bitstream.container import ChunkWriter
 from sgicodec.bitstream.header import encode_header
@@ -15,8 +15,6 @@ from sgicodec.model.spec import ModelSpec
 from sgicodec.profiles.default import default_spec
 from sgicodec.profiles.paper import paper_spec
 from sgicodec.rdoq import Objective, can_optimise
-
-Stage = Callable[..., tuple[Objective, TileModel]]
 
 
 def stream_of(objective: Objective, model: TileModel) -> bytes:
@@ -31,7 +29,7 @@ def stream_of(objective: Objective, model: TileModel) -> bytes:
 
 
 @pytest.mark.parametrize("channels", [1, 3, 4])
-def test_what_is_left_is_what_the_stream_leaves(stage: Stage, channels: int) -> None:
+def test_what_is_left_is_what_the_stream_leaves(channels: int) -> None:
     """For one base layer after another, so that none is taken for another."""
     objective, model = stage(channels)
     for seed in range(3):

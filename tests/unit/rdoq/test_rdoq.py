@@ -1,36 +1,16 @@
-"""The search as a whole: it is the same for any number of threads, and streams show what it promised."""
-
-from collections.abc import Callable
-from dataclasses import replace
-from pathlib import Path
+"""The search as a whole: streams show what it promised."""
 
 import numpy as np
+from data_files import crop
 
-from sgicodec import EncodeSettings, encode_picture, read
-from sgicodec.bitstream.parts.tile import TileModel
+from sgicodec import EncodeSettings, encode_picture
 from sgicodec.decoder.stream import open_stream
 from sgicodec.picture import to_unit
-from sgicodec.rdoq import Objective, RdoqSettings, searched
-from sgicodec.rdoq.objective import joined
-
-Stage = Callable[..., tuple[Objective, TileModel]]
-
-PICTURE = Path(__file__).parents[2] / "data" / "kodim23.png"
-
-
-def test_same_model_for_any_number_of_threads(stage: Stage) -> None:
-    models = []
-    for threads in (1, 2):
-        objective, model = stage(height=120, width=130, threads=threads)
-        models.append(searched(objective, model, 1e-3, RdoqSettings(passes=3)))
-    np.testing.assert_array_equal(joined(models[0]), joined(models[1]))
-    np.testing.assert_array_equal(models[0].layout.corner, models[1].layout.corner)
 
 
 def test_streams_cost_less() -> None:
     """Of a fitted photograph, from what is on disk and what is decoded: J falls by more than two in a hundred."""
-    whole = read(PICTURE)
-    picture = replace(whole, pixels=np.ascontiguousarray(whole.pixels[128:256, 100:292]))
+    picture = crop("kodim23", np.s_[128:256, 100:292])
     unit, lmbda = to_unit(picture), 0.004
     costs = []
     for has_rdoq in (False, True):

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
+from data_files import crop
 from examples import examples
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from textures import read_texture
 
-from sgicodec import read
 from sgicodec._native import SymbolReader
 from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
 from sgicodec.bitstream.parts.texture import write_texture
@@ -20,7 +19,6 @@ from sgicodec.device import Device
 from sgicodec.model.texture_symbols import SAME_COLOURS, SAME_STEP, TextureSteps, TextureSymbols, roots_of
 from sgicodec.rdoq.texture import TextureSearch
 
-DATA = Path(__file__).parents[2] / "data"
 SAME = SAME_STEP, SAME_STEP
 OTHERS = 44, 24, 13
 PRICE = 0.11
@@ -30,7 +28,7 @@ PRICE = 0.11
 @pytest.fixture(scope="module")
 def residual() -> np.ndarray:
     """160×96 pixels of a photograph, [C, H, W] without their mean."""
-    pixels = read(DATA / "kodim13.png").pixels[300:396, 100:260].astype(np.float32) / 255
+    pixels = crop("kodim13", np.s_[300:396, 100:260]).pixels.astype(np.float32) / 255
     planes = pixels.transpose(2, 0, 1)
     return np.ascontiguousarray(planes - planes.mean(axis=(1, 2), keepdims=True))
 
@@ -101,17 +99,6 @@ def test_what_is_found_pays(residual: np.ndarray) -> None:
         errors.append(error)
         sizes.append(len(payload))
     assert errors[-1] < 0.01 * nothing
-
-
-def test_any_number_of_threads_finds_the_same(residual: np.ndarray) -> None:
-    one = TextureSearch(residual, Device(1)).at(TextureSteps(340, (18, 18), (2, 3)), PRICE)
-    assert one is not None
-    for threads in (2, 3, 0):
-        other = TextureSearch(residual, Device(threads)).at(TextureSteps(340, (18, 18), (2, 3)), PRICE)
-        assert other is not None
-        assert other.steps == one.steps
-        np.testing.assert_array_equal(other.symbols, one.symbols)
-        np.testing.assert_array_equal(other.log_size, one.log_size)
 
 
 @settings(max_examples=examples(40))

@@ -3,23 +3,21 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import fsspec
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from command import sgi
+from data_files import GOLDEN
 from fsspec.implementations.memory import MemoryFile
 from range_server import served
 
 import sgicodec
-from sgicodec.cli.main import cli
 from sgicodec.errors import PictureError, StreamError, UsageError
 from sgicodec.remote.upload import Upload, check_writable, send
-
-GOLDEN = Path(__file__).parents[2] / "conformance" / "golden"
 
 
 @pytest.fixture
@@ -41,11 +39,10 @@ def full(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(MemoryFile, "commit", fail)
 
 
-@pytest.fixture
-def sgi(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Any]:
+@pytest.fixture(autouse=True)
+def _folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
-    return lambda *arguments: CliRunner().invoke(cli, [str(argument) for argument in arguments])
 
 
 def test_what_was_there_stays_till_all_is_sent(memory: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -81,7 +78,7 @@ def test_what_can_be_read_only(url: str) -> None:
         check_writable(url)
 
 
-def test_encode_and_decode(memory: Any, sgi: Callable[..., Any], tmp_path: Path, photo: Path) -> None:
+def test_encode_and_decode(memory: Any, tmp_path: Path, photo: Path) -> None:
     url = "memory://out/photo.sgi"
     options = ("--steps", 2, "--quiet")
     result = sgi("encode", photo, url, *options)
@@ -95,7 +92,7 @@ def test_encode_and_decode(memory: Any, sgi: Callable[..., Any], tmp_path: Path,
     assert {each.name for each in tmp_path.iterdir()} == {"same.sgi"}
 
 
-def test_refusals_come_before_the_work(sgi: Callable[..., Any], photo: Path) -> None:
+def test_refusals_come_before_the_work(photo: Path) -> None:
     with served({"a.png": photo.read_bytes()}) as server:
         url = f"{server.url}/a.sgi"
         for result in (sgi("encode", photo, url), sgi("encode", photo, "-o", url), sgi("encode", photo, url, "-f")):

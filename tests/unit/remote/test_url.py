@@ -4,18 +4,15 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from command import sgi
 from range_server import served
 from repeated_tiles import TILE
 
 import sgicodec
-from sgicodec.cli.main import cli
 from sgicodec.errors import CorruptStreamError, MissingExtraError, PictureError, StreamError
 from sgicodec.remote.range_file import BLOCK
 from sgicodec.remote.url import naming_url, open_url
@@ -30,10 +27,9 @@ def data() -> bytes:
     return sgicodec.encode(pixels, quality=95, tune="psnr", steps=2, tile=TILE, overview=True, rdoq=False)
 
 
-@pytest.fixture
-def sgi(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Any]:
+@pytest.fixture(autouse=True)
+def _folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    return lambda *arguments: CliRunner().invoke(cli, [str(argument) for argument in arguments])
 
 
 def test_a_region_costs_its_tiles(data: bytes) -> None:
@@ -58,7 +54,7 @@ def test_a_server_without_ranges_gives_it_once(data: bytes) -> None:
         assert len(server.parts) <= 3  # the first block, the refused range, all of it
 
 
-def test_commands(data: bytes, sgi: Callable[..., Any], tmp_path: Path) -> None:
+def test_commands(data: bytes, tmp_path: Path) -> None:
     with served({"in/a.sgi": data, "cut.sgi": data[:-900]}) as server:
         url = f"{server.url}/in/a.sgi"
         info = json.loads(sgi("info", "--json", url).output)

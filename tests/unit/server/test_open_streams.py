@@ -6,12 +6,12 @@ import shutil
 from pathlib import Path
 
 import pytest
+from data_files import GOLDEN
 
 from sgicodec.device import Device
 from sgicodec.errors import StreamError
 from sgicodec.server.open_streams import OpenStreams
 
-GOLDEN = Path(__file__).parents[2] / "conformance" / "golden"
 NAMES = ("rgb8", "gray16", "rgba8")
 
 

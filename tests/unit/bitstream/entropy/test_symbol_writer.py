@@ -9,7 +9,7 @@ from examples import examples
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
-from reference_decoder import ROUNDING, ReferenceDecoder
+from reference_decoder import ROUNDING, Bits
 
 from sgicodec._native import SymbolReader
 from sgicodec.bitstream.entropy.symbol_models import zero_centred_model
@@ -41,7 +41,7 @@ def test_the_reference_decoder_reads_zero_centred_symbols() -> None:
     symbols = np.clip(np.rint(rng.normal(0, support / 3)), -support, support).astype(int)  # no escapes
     writer = SymbolWriter()
     writer.code(symbols, tables)
-    decoder = ReferenceDecoder(writer.finish())
+    decoder = Bits(writer.finish())
     order = np.argsort(tables, kind="stable")
     for table, symbol, s in zip(tables[order], symbols[order], support[order], strict=True):
         assert decoder.decode(frequency_tables().frequencies(table).tolist()) - s == symbol
@@ -52,7 +52,7 @@ def test_the_reference_decoder_reads_zero_centred_symbols() -> None:
 def test_the_reference_decoder_reads_escapes() -> None:
     writer = SymbolWriter()
     writer.code([0, -9, 1, 5, 2], [0] * 5)  # table 0 covers −1 … 1
-    decoder = ReferenceDecoder(writer.finish())
+    decoder = Bits(writer.finish())
     frequencies = frequency_tables().frequencies(0).tolist()
     assert [decoder.decode(frequencies) for _ in range(5)] == [1, 3, 2, 3, 3]
     unary = [TOTAL >> e for e in range(1, 21)] + [TOTAL >> 20]
@@ -155,5 +155,5 @@ def test_flags_of_every_probability() -> None:
     for part in np.array_split(frequency, 4):  # as many rows as there are numbers for
         found += reader.read_categorical(part, np.arange(len(part), dtype=np.int16).repeat(2)).tolist()
     np.testing.assert_array_equal(found, bits)
-    reference = ReferenceDecoder(payload)
+    reference = Bits(payload)
     assert [reference.decode([TOTAL - 256 * int(one), 256 * int(one)]) for one in ones] == bits.tolist()

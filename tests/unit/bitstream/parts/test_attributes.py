@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 import pytest
+from data_files import GOLDEN
 from page_attributes import PageAttributes, Seed
 from reference_decoder import ROUNDING
 from surgery import split
@@ -22,7 +22,6 @@ from sgicodec.bitstream.parts.prior import load_prior
 from sgicodec.bitstream.parts.tile import TileModel, quantise, read_tile, write_tile
 from sgicodec.bitstream.parts.tile_chunk import decode_tile_chunk
 from sgicodec.device import ONE_THREAD, Device
-from sgicodec.errors import StreamError
 from sgicodec.model.base import base_shape
 from sgicodec.model.context import nearest_by_pass
 from sgicodec.model.gaussians import decoder_shapes
@@ -32,17 +31,6 @@ from sgicodec.model.spec import ModelSpec
 from sgicodec.model.steps import default_plan, follows_amplitude
 from sgicodec.profiles.default import default_spec
 
-GOLDEN = Path(__file__).parents[3] / "conformance" / "golden"
-STREAMS = [
-    "rgb8",
-    "rgb8-own-context",
-    "gray8-alpha",
-    "multi8",
-    "paper-rgb8",
-]
-every_stream = pytest.mark.parametrize("name", STREAMS)
-DEVICES = [ONE_THREAD, Device(2), Device(3, "portable")]
-
 
 @cache
 def payload_of(name: str) -> tuple[Header, bytes]:
@@ -50,51 +38,6 @@ def payload_of(name: str) -> tuple[Header, bytes]:
     header = decode_header(parts[0][1])
     chunk = decode_tile_chunk(header, dict(parts)["T"])
     return header.of_tile(chunk.number), chunk.model or b""
-
-
-def values_of(header: Header, model: TileModel) -> dict[str, np.ndarray]:
-    values = model.decoded_values
-    return {group.name: values[:, group.columns] for group in header.spec.groups}
-
-
-@every_stream
-def test_every_device_reads_what_is_written(name: str) -> None:
-    header, payload = payload_of(name)
-    model, _ = read_tile(header, payload)
-    again = replace(model, attributes=values_of(header, model), decoded=None)
-    quantised = quantise(header, again)
-    written, writer = write_tile(header, again)
-    assert written == payload
-    np.testing.assert_array_equal(model.decoded, quantised.decoded)
-    np.testing.assert_array_equal(model.decoded_values, quantised.values)
-    for device in DEVICES:
-        other, reader = read_tile(header, payload, device)
-        np.testing.assert_array_equal(other.decoded, model.decoded)
-        assert reader.crc == writer.crc
-        assert reader.bits == pytest.approx({name: bits for name, bits in writer.bits.items() if bits}, rel=ROUNDING)
-
-
-def outcome(header: Header, payload: bytes, device: Device) -> tuple[object, ...]:
-    """What reading comes to, so that two ways can be compared."""
-    try:
-        model, reader = read_tile(header, payload, device)
-    except StreamError as error:
-        return type(error), str(error)
-    return reader.crc, model.decoded.tobytes() if model.decoded is not None else b""
-
-
-@every_stream
-def test_damage_is_told_alike(name: str) -> None:
-    header, payload = payload_of(name)
-    rng = np.random.default_rng(0)
-    for _ in range(60):
-        changed = bytearray(payload[: rng.integers(1, len(payload))] if rng.random() < 0.3 else payload)
-        changed[rng.integers(len(changed))] ^= 1 << int(rng.integers(8))
-        damaged = bytes(changed).rstrip(b"\0")
-        (kind, *_), *others = found = [outcome(header, damaged, device) for device in DEVICES]
-        assert others == found[:1] * len(others)
-        assert isinstance(kind, type)
-        assert issubclass(kind, StreamError)
 
 
 def of_many_seeds(spec: ModelSpec) -> tuple[Header, TileModel]:

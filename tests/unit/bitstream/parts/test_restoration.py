@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
+from data_files import GOLDEN
 from surgery import join, split
 
 from sgicodec.bitstream.header import encode_header
@@ -14,8 +14,6 @@ from sgicodec.decoder.stream import open_stream
 from sgicodec.errors import UnsupportedStreamError
 from sgicodec.model.restoration import Restoration
 from sgicodec.rdoq.objective import with_values
-
-GOLDEN = Path(__file__).parents[3] / "conformance" / "golden"
 
 
 def with_restoration(data: bytes, restoration: Restoration | None) -> bytes:

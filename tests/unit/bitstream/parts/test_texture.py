@@ -5,15 +5,16 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Callable
 from importlib.resources import files
-from pathlib import Path
 
 import numpy as np
 import pytest
+from data_files import ROOT
 from examples import examples
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from reference_decoder import Bits
 from texture_forger import spelled
-from texture_reader import LOGISTIC, LOGIT, Bits, TextureReader
+from texture_reader import LOGISTIC, LOGIT, TextureReader
 from textures import assert_same, payload_of, random_symbols, read_back, read_texture
 
 from sgicodec import read
@@ -24,7 +25,6 @@ from sgicodec.errors import CorruptStreamError
 from sgicodec.model.texture_symbols import SAME_COLOURS, TextureSteps, TextureSymbols
 from sgicodec.rdoq.texture import TextureSearch
 
-ROOT = Path(__file__).parents[4]
 MOST = 16390
 
 

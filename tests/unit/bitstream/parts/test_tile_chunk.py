@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
+from data_files import GOLDEN
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
@@ -18,7 +18,6 @@ from sgicodec.bitstream.varint import encode_varint
 from sgicodec.decoder.stream import open_stream
 from sgicodec.errors import CorruptStreamError
 
-GOLDEN = Path(__file__).parents[3] / "conformance" / "golden"
 PLAIN = open_stream((GOLDEN / "rgb8.sgi").read_bytes()).header
 MODEL = b"model"
 

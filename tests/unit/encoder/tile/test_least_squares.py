@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from functools import cache
-from pathlib import Path
 
 import numpy as np
+from data_files import crop
 
-from sgicodec import EncodeSettings, Picture, read
+from sgicodec import EncodeSettings
 from sgicodec.decoder.stream import open_stream
 from sgicodec.encoder.effort import Tune
 from sgicodec.encoder.plan import Shape, stream_plan
@@ -19,15 +19,13 @@ from sgicodec.encoder.tile.state import TileState, Watch, tile_of
 from sgicodec.encoder.tile.writing import stream_of, write
 from sgicodec.metrics.distortion import squared_error
 
-PHOTO = Path(__file__).parents[3] / "data" / "kodim23.png"
 STEPS = 350
 
 
 @cache
 def searched(tune: Tune, quality: float = 54) -> TileState:
     """256×192 pixels of a parrot, after fit and RDOQ."""
-    photo = read(PHOTO)
-    picture: Picture = replace(photo, pixels=np.ascontiguousarray(photo.pixels[100:292, 200:456]))
+    picture = crop("kodim23", np.s_[100:292, 200:456])
     settings = EncodeSettings(quality=quality, steps=STEPS, tune=tune, metadata=False)
     tile = tile_of(picture, stream_plan(Shape.of(picture), settings))
     return fit_seeds(tile, tile.fit.lmbda)

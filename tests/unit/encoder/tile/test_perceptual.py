@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pytest
+from data_files import DATA
 from numpy.typing import NDArray
 
 from sgicodec import read
@@ -20,7 +19,6 @@ from sgicodec.model.luma_space import from_luma_space, to_luma_space
 from sgicodec.model.texture_symbols import CONTRAST_LIMIT, TextureSteps, TextureSymbols
 from sgicodec.rdoq.texture import TextureSearch
 
-DATA = Path(__file__).parents[3] / "data"
 TUNING = TUNINGS["visual"]
 STEP = 405
 

@@ -45,11 +45,6 @@ def test_texture_counts_little_and_lines_count_much(effort: int, most: float) ->
     assert weights[:, 160:].max() > 0.8
 
 
-def test_the_same_weights_again() -> None:
-    first, again = (shared(half_texture()).weights for _ in range(2))
-    np.testing.assert_array_equal(first, again)
-
-
 def test_without_work_for_texture_seeds_keep_the_faster_code() -> None:
     ground = 120 + np.random.default_rng(2).integers(0, 3, (96, 160, 3))
     part = shared(ground.astype(np.uint8))

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
+from data_files import crop
 
-from sgicodec import EncodeSettings, Picture, read
+from sgicodec import EncodeSettings
 from sgicodec.encoder.effort import Tune
 from sgicodec.encoder.plan import Shape, stream_plan
 from sgicodec.encoder.tile.least_squares import requantise_seeds_under_texture
@@ -16,13 +16,10 @@ from sgicodec.encoder.tile.stages import encode, fit, fit_seeds, prepare, rdoq, 
 from sgicodec.encoder.tile.state import Tile, tile_of
 from sgicodec.encoder.tile.writing import write
 
-PHOTO = Path(__file__).parents[3] / "data" / "kodim13.png"
-
 
 def tile_for(tune: Tune) -> Tile:
     """96×80 pixels, with all that an effort may do."""
-    photo = read(PHOTO)
-    picture: Picture = replace(photo, pixels=np.ascontiguousarray(photo.pixels[300:380, 80:176]))
+    picture = crop("kodim13", np.s_[300:380, 80:176])
     tile = tile_of(picture, stream_plan(Shape.of(picture), EncodeSettings(steps=60, tune=tune, metadata=False)))
     rounds, passes = (1, 0) if tune == "psnr" else (0, 2)
     more = {"handover": True, "rounds": rounds, "ascent_passes": passes}

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
+from data_files import crop
 from numpy.typing import NDArray
 
-from sgicodec import EncodeSettings, Picture, encode_picture, read
+from sgicodec import EncodeSettings, Picture, encode_picture
 from sgicodec.decoder.stream import open_stream
 from sgicodec.encoder.plan import Shape, stream_plan
 from sgicodec.encoder.tile.texture_steps import TUNINGS, Masking, TextureTuning
@@ -18,14 +18,11 @@ from sgicodec.metrics.perceptual import ssimulacra2
 from sgicodec.model.texture_symbols import CONTRAST_LIMIT, STEP_COUNT, TextureSteps
 from sgicodec.picture import to_rgb8, to_unit
 
-PHOTO = Path(__file__).parents[3] / "data" / "kodim13.png"
-
 
 @pytest.fixture(scope="module")
-def crop() -> Picture:
+def rocks() -> Picture:
     """A sky over rocks, 192×160."""
-    whole = read(PHOTO)
-    return replace(whole, pixels=np.ascontiguousarray(whole.pixels[20:180, 100:292]))
+    return crop("kodim13", np.s_[20:180, 100:292])
 
 
 @pytest.mark.parametrize("tuning", TUNINGS.values(), ids=TUNINGS)
@@ -54,20 +51,20 @@ def test_squared_error_has_equal_steps() -> None:
     assert TUNINGS["psnr"].steps(300, 3).slopes == (0, 0)
 
 
-def test_a_score_is_met(crop: Picture, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_score_is_met(rocks: Picture, monkeypatch: pytest.MonkeyPatch) -> None:
     with monkeypatch.context() as without:
         without.setitem(sys.modules, "ssimulacra2", None)  # the package is the ruler, and not needed
-        data = encode_picture(crop, EncodeSettings(ssimulacra2=55, steps=60)).data
+        data = encode_picture(rocks, EncodeSettings(ssimulacra2=55, steps=60)).data
     with open_stream(data) as stream:
-        assert ssimulacra2(to_rgb8(crop), to_rgb8(stream.picture())) == pytest.approx(55, abs=1)
+        assert ssimulacra2(to_rgb8(rocks), to_rgb8(stream.picture())) == pytest.approx(55, abs=1)
 
 
-def test_tuned_for_the_eye_the_score_is_better_at_equal_bytes(crop: Picture) -> None:
+def test_tuned_for_the_eye_the_score_is_better_at_equal_bytes(rocks: Picture) -> None:
     scores = {}
     for tune in ("psnr", "visual"):
-        data = encode_picture(crop, EncodeSettings(bpp=0.8, steps=120, tune=tune)).data  # type: ignore[arg-type]
+        data = encode_picture(rocks, EncodeSettings(bpp=0.8, steps=120, tune=tune)).data  # type: ignore[arg-type]
         with open_stream(data) as stream:
-            scores[tune] = ssimulacra2(to_rgb8(crop), to_rgb8(stream.picture()))
+            scores[tune] = ssimulacra2(to_rgb8(rocks), to_rgb8(stream.picture()))
     assert scores["visual"] > scores["psnr"] + 5
 
 
@@ -85,9 +82,9 @@ FINE, USUAL, COARSE = 300, 370, 460  # indices: 5, 23 and 164 levels
 
 
 @pytest.fixture(scope="module")
-def unit() -> NDArray[np.float32]:
-    """A sky over rocks, 192×160."""
-    return np.ascontiguousarray(to_unit(read(PHOTO))[20:180, 100:292].transpose(2, 0, 1))
+def unit(rocks: Picture) -> NDArray[np.float32]:
+    """The same as samples [C, H, W]."""
+    return np.ascontiguousarray(to_unit(rocks).transpose(2, 0, 1))
 
 
 def step_offsets(picture: NDArray[np.float32], step: int = USUAL) -> NDArray[np.int8]:
