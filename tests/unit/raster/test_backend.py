@@ -20,7 +20,7 @@ def parameters(method: Any) -> list[tuple[str, object]]:
 
 
 def test_the_contract_is_what_callers_call() -> None:
-    assert set(CONTRACT) == {"forward", "draw", "backward", "error"}
+    assert set(CONTRACT) == {"forward", "draw", "error"}
 
 
 @pytest.mark.parametrize("backend", BACKENDS)

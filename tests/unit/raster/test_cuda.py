@@ -7,7 +7,7 @@ import itertools
 import numpy as np
 import pytest
 from fake_cuda import backwards, fake_gpu
-from scenes import Scene, covariances_of, exact, gradient_magnitude, magnitude, random_scene, whitened
+from scenes import Scene, backward, covariances_of, exact, gradient_magnitude, magnitude, random_scene, whitened
 
 from sgicodec.errors import UsageError
 from sgicodec.raster.backend import Background, Loss, Mapping, nothing_behind
@@ -28,7 +28,7 @@ def check(scene: Scene, width: int, height: int, origin: tuple[int, int] = (0, 0
     assert np.all(error <= FORWARD * (magnitude(scene, width, height, origin) + 0.02))
 
     grad = np.random.default_rng(1).normal(size=image.shape).astype(np.float32)
-    gradients = raster.backward(*scene, grad, origin)
+    gradients = backward(raster, scene, grad, origin)
     expected = rasterize_reference_backward(*exact(scene), grad.astype(np.float64), origin)
     error = np.abs(whitened(scene, gradients) - whitened(scene, expected))
     assert np.all(error <= BACKWARD * (gradient_magnitude(scene, grad, origin) + 0.1))
@@ -91,7 +91,7 @@ def test_nothing_to_draw() -> None:
     for scene in (empty, far):
         raster = CudaRasterizer(fake_gpu())
         assert not raster.forward(*scene, 20, 10).any()
-        gradients = raster.backward(*scene, np.ones((3, 10, 20), np.float32))
+        gradients = backward(raster, scene, np.ones((3, 10, 20), np.float32))
         assert [g.shape for g in gradients] == [array.shape for array in scene]
         assert not any(g.any() for g in gradients)
         assert raster.error(*scene, np.ones((3, 10, 20), np.float32), weight=0.5)[0].loss == 300.0
@@ -106,7 +106,7 @@ def test_hostile_gaussians_are_left_out() -> None:
     np.testing.assert_array_equal(
         image, CudaRasterizer(fake_gpu()).forward(means[:1], covariances[:1], colours[:1], 11, 9)
     )
-    gradients = raster.backward(means, covariances, colours, np.ones_like(image))
+    gradients = backward(raster, (means, covariances, colours), np.ones_like(image))
     assert not any(gradient[1:].any() for gradient in gradients)
     wide = (means[:1], covariances[:1] * np.float32(1e8), colours[:1])
     with pytest.raises(OverflowError):
@@ -136,9 +136,8 @@ def test_a_cutoff_is_the_same_forward_and_backward() -> None:
     rng = np.random.default_rng(6)
     scene = random_scene(rng, 20, 1, 40, 30, sigma=(1.0, 8.0), ratio=6.0)
     raster = CudaRasterizer(fake_gpu())
-    raster.forward(*scene, 40, 30)
     grad = rng.normal(size=(1, 30, 40)).astype(np.float32)
-    slopes = raster.backward(*scene, grad)[2][:, 0]
+    slopes = backward(raster, scene, grad)[2][:, 0]
     for i in range(20):
         alone = tuple(array[i : i + 1] for array in (scene[0], scene[1], np.ones((20, 1), np.float32)))
         image = CudaRasterizer(fake_gpu()).forward(*alone, 40, 30).astype(np.float64)
