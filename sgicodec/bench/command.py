@@ -14,7 +14,6 @@ import click
 from sgicodec.bench.options import numbers, variant
 from sgicodec.errors import OutputExistsError, SgiError, StreamError, TargetMissedError, UsageError, require
 from sgicodec.metadata.layouts import range_text
-from sgicodec.remote.upload import is_there
 from sgicodec.remote.url import is_url, open_url
 
 if TYPE_CHECKING:
@@ -114,7 +113,7 @@ def compare(
     from sgicodec.metrics.scores import error_map, scores
     from sgicodec.picture import comparable, without_opaque_alpha
 
-    if map_path is not None and _exists(map_path) and not force:
+    if map_path is not None and Path(map_path).exists() and not force:
         raise OutputExistsError(f"{map_path} exists; give -f to overwrite it")
     reference, other = _picture(a), _picture(b)
     if reference.channels != other.channels:
@@ -179,10 +178,6 @@ def _eight_bits(pixels: npt.NDArray[Any]) -> npt.NDArray[np.uint8]:
 
     peak = 1.0 if pixels.dtype.kind == "f" else float(np.iinfo(pixels.dtype).max)
     return np.clip(np.rint(pixels * (255.0 / peak)), 0, 255).astype(np.uint8)
-
-
-def _exists(path: str) -> bool:
-    return is_there(path, UsageError) if is_url(path) else Path(path).exists()
 
 
 def _write_map(path: str, pixels: npt.NDArray[np.uint8]) -> None:
