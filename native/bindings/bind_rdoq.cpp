@@ -5,7 +5,6 @@
 #include "bindings/bindings.hpp"
 #include "bindings/seed_coding.hpp"
 #include "bitstream/frequency_tables.hpp"
-#include "rdoq/base_search.hpp"
 #include "rdoq/coordinate_descent.hpp"
 
 namespace nb = nanobind;
@@ -65,23 +64,6 @@ auto search_seeds(const nb::bytes &header, Array<const int32_t, 2> corner, Array
                     sgi::as_array<double>(std::move(change), std::array{n}));
 }
 
-int64_t search_base(Array<int64_t, 3> planes, Array<const int32_t, 1> table, Array<const int32_t, 1> support,
-                    Array<const int64_t, 1> start, Array<const double, 1> bits, Array<const double, 2> down,
-                    Array<const double, 2> across, Array<double, 3> pull, double step, double lmbda, int passes) {
-  const size_t channels = planes.shape(0), rows = planes.shape(1), columns = planes.shape(2);
-  require(table.shape(0) == channels, "table must be [C]");
-  require(has_shape(down, rows, rows) && has_shape(across, columns, columns) && pull.shape(0) == channels &&
-              pull.shape(1) == rows && pull.shape(2) == columns,
-          "down [rows, rows], across [columns, columns], pull [C, rows, columns]");
-  require_tables(support, start, bits);
-  for (size_t c = 0; c < channels; ++c)
-    require(table.data()[c] >= 0 && size_t(table.data()[c]) < support.shape(0), "a table does not exist");
-  const sgi::SymbolBits tables{support.data(), start.data(), bits.data(), 0};
-  const sgi::BasePlanes base{planes.data(), int64_t(channels), int64_t(rows), int64_t(columns), table.data(), tables};
-  nb::gil_scoped_release release;
-  return sgi::search_base(base, {down.data(), across.data(), pull.data(), step}, lmbda, passes);
-}
-
 }  // namespace
 
 void bind_rdoq(nb::module_ &m) {
@@ -89,6 +71,4 @@ void bind_rdoq(nb::module_ &m) {
         "support"_a, "start"_a, "bits"_a, "opponent"_a, "residual"_a, "weights"_a, "lmbda"_a, "cutoff"_a, "deep"_a,
         "rounds"_a, "threads"_a, "isa"_a,
         "Attributes [N, C + 5] in 2^-24 and the change of cost [N]; `residual` becomes what they leave.");
-  m.def("search_base", &search_base, "planes"_a, "table"_a, "support"_a, "start"_a, "bits"_a, "down"_a, "across"_a,
-        "pull"_a, "step"_a, "lmbda"_a, "passes"_a);
 }

@@ -1,4 +1,4 @@
-"""RDOQ as a whole: passes over seeds and base layer. Same bytes for any number of threads."""
+"""RDOQ as a whole: passes over seeds. Same bytes for any number of threads."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from sgicodec.bitstream.parts.tile import TileModel
-from sgicodec.rdoq.base_layer import with_optimised_base
 from sgicodec.rdoq.coordinate_descent import descend
 from sgicodec.rdoq.objective import Objective
 from sgicodec.rdoq.settings import RdoqSettings
@@ -26,12 +25,12 @@ def searched(
 
     Ends early before a pass where `ending` says so of the number of passes that are done.
     """
+    if ending(0):
+        return model
+    model = replace(model, networks=tuple(network.coarser(settings.coarser) for network in model.networks))
+    residual = objective.residual(model)
     for done in range(settings.passes):
-        if ending(done):
+        if done and ending(done):
             break
-        if not done and settings.coarser:
-            model = replace(model, networks=tuple(network.coarser(settings.coarser) for network in model.networks))
-        residual = objective.residual(model) if not done else objective.decoded_residual(model)
         model, _ = descend(objective, model, residual, lmbda, settings)
-        model = with_optimised_base(objective, model, residual, lmbda)
     return model
