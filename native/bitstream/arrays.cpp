@@ -9,6 +9,8 @@
 namespace sgi {
 namespace {
 
+constexpr int kProbabilityBits = 8;
+
 // The prediction of element (x, y) of a plane of `columns` columns: the mean of those to the left and above; at an edge
 // the one that is there stands for both.
 int64_t base_prediction(const int64_t *plane, int64_t columns, int64_t x, int64_t y) {
@@ -16,12 +18,6 @@ int64_t base_prediction(const int64_t *plane, int64_t columns, int64_t x, int64_
   const int64_t west = x ? at[-1] : y ? at[-columns] : 0, north = y ? at[-columns] : west;
   return (west + north) >> 1;
 }
-
-}  // namespace
-
-namespace {
-
-constexpr int kProbabilityBits = 8;
 
 }  // namespace
 

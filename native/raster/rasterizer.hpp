@@ -24,7 +24,8 @@ struct Gradients {
   float *colours;      // [N, C]
 };
 
-// Holds the bins and the partial sums of one picture, so that repeated steps reuse the memory. Not safe for use by two threads at once.
+// Holds the bins and the partial sums of one picture, so that repeated steps reuse the memory. Not safe for use by two
+// threads at once.
 class Rasterizer {
  public:
   // A call throws std::overflow_error where more than `most_pairs` (tile, Gaussian) pairs

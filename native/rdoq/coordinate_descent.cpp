@@ -68,8 +68,8 @@ void search_pass(const CodingModel &model, const SearchSettings &settings, const
 }  // namespace
 
 void search_seeds(const AttributeModel &coding, const TileSeeds &seeds, const CodingModel &model,
-                  const SearchSettings &settings, const Residual &residual, const double *values,
-                  const FoundSeeds &out, int threads) {
+                  const SearchSettings &settings, const Residual &residual, const double *values, const FoundSeeds &out,
+                  int threads) {
   const WindowKernel &kernel = kernel_for<WindowKernel>(coding.isa);
   const int64_t d = model.attributes(), stride = model.inputs[kColour];
   const std::vector<std::vector<int32_t>> neighbours = neighbours_by_pass(seeds, coding.ranks, coding.isa);

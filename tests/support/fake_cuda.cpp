@@ -94,9 +94,7 @@ int cuDeviceGetAttribute(int *value, int attribute, int) {
   const auto found = stated.find(attribute);
   return *value = found == stated.end() ? 0 : found->second, kSuccess;
 }
-int cuDevicePrimaryCtxRetain(Context **context, int device) {
-  return *context = &contexts[device], kSuccess;
-}
+int cuDevicePrimaryCtxRetain(Context **context, int device) { return *context = &contexts[device], kSuccess; }
 int cuDevicePrimaryCtxRelease_v2(int) { return kSuccess; }
 int cuCtxSetCurrent(Context *context) { return current = context, kSuccess; }
 int cuMemGetInfo_v2(size_t *free, size_t *total) { return *free = *total = size_t(1) << 32, kSuccess; }
