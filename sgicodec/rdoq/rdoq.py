@@ -27,7 +27,8 @@ def searched(
     """
     if ending(0):
         return model
-    model = replace(model, networks=tuple(network.coarser(settings.coarser) for network in model.networks))
+    if settings.coarser:
+        model = replace(model, networks=tuple(network.coarser(settings.coarser) for network in model.networks))
     residual = objective.residual(model)
     for done in range(settings.passes):
         if done and ending(done):
