@@ -35,7 +35,6 @@ struct RasterArguments {
   float *partials;
   const float *target;
   const float *weights;
-  const float *slopes;
   float *image;
   double *errors;
   float *grad_means;

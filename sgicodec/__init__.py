@@ -28,7 +28,6 @@ if TYPE_CHECKING:
     from sgicodec.encoder.settings import EncodeSettings
     from sgicodec.encoder.tiles.checkpoint import Checkpoint
     from sgicodec.executors.dask import open_cluster
-    from sgicodec.executors.gpus import GpuExecutor
     from sgicodec.executors.processes import ProcessExecutor
     from sgicodec.executors.threads import ThreadExecutor
     from sgicodec.image.reader import read
@@ -41,7 +40,6 @@ __all__ = [
     "Device",
     "EncodeSettings",
     "Encoded",
-    "GpuExecutor",
     "NullListener",
     "Picture",
     "ProcessExecutor",
@@ -68,7 +66,6 @@ _HOMES = {
     "Encoded": "encoder.pipeline.Encoded",
     "NullListener": "encoder.progress.NullListener",
     "Picture": "picture.Picture",
-    "GpuExecutor": "executors.gpus.GpuExecutor",
     "ProcessExecutor": "executors.processes.ProcessExecutor",
     "Stream": "decoder.stream.Stream",
     "ThreadExecutor": "executors.threads.ThreadExecutor",

@@ -15,8 +15,7 @@ __all__ = ["ALL_CORES", "ONE_THREAD", "PROCESSOR", "Device", "check_device", "ch
 class Device:
     """threads: 0 for one per core. isa: auto, avx512, avx2 or portable. gpu: the number of an NVIDIA GPU that fits, or
     draws what is decoded, as far as its kernels can (`cuda.choice.device_of` says which there are), None for the
-    processor alone; with `gpus`, the tiles of a fit take so many in turn, from that one on. Raises UsageError for an
-    instruction set that this machine lacks.
+    processor alone. Raises UsageError for an instruction set that this machine lacks.
 
     Nothing of it changes what a stream's symbols are when it is decoded; pixels differ between instruction sets, and
     from a GPU's, by less than a level of eight bits. A program makes one where it begins and hands it down to whatever
@@ -26,15 +25,12 @@ class Device:
     threads: int = 0
     isa: str = "auto"
     gpu: int | None = None
-    gpus: int = 1
 
     def __post_init__(self) -> None:
         if isinstance(self.threads, bool) or not isinstance(self.threads, Integral) or self.threads < 0:
             raise UsageError(f"threads {self.threads!r}; 0 (all cores) or more")
         if self.gpu is not None and (isinstance(self.gpu, bool) or not isinstance(self.gpu, Integral) or self.gpu < 0):
             raise UsageError(f"gpu {self.gpu!r}; 0 or more, or None")
-        if isinstance(self.gpus, bool) or not isinstance(self.gpus, Integral) or self.gpus < 1:
-            raise UsageError(f"gpus {self.gpus!r}; 1 or more")
         if self.isa != "auto":
             from sgicodec._native import instruction_set
 
@@ -48,14 +44,14 @@ class Device:
         """How many threads that is."""
         return self.threads or os.cpu_count() or 1
 
-    def of_tile(self, number: int) -> Device:
-        """What computes a tile: one of the GPUs."""
-        return replace(self, gpu=self.gpu + number % self.gpus, gpus=1) if self.gpu is not None else self
+    def found(self) -> Device:
+        """As `NamedDevice`: itself."""
+        return self
 
     @property
     def processor(self) -> Device:
         """The same without a GPU."""
-        return replace(self, gpu=None, gpus=1)
+        return replace(self, gpu=None)
 
     def shared_among(self, workers: int) -> Device:
         """What each of so many workers has, who compute at the same time."""

@@ -5,14 +5,12 @@ from __future__ import annotations
 import os
 import signal
 import sys
-import time
 from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 import pytest
 from children import end_children
-from clock import Clock
 from data_files import crop
 from hypothesis import HealthCheck
 from hypothesis import settings as hypothesis_settings
@@ -48,14 +46,6 @@ def _no_process_left(_interruptible: None) -> Iterator[None]:
     """Ends the processes that a test started and left behind, and fails it."""
     yield
     assert end_children() == {}
-
-
-@pytest.fixture
-def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
-    """What time.monotonic shows; it stands still unless the test turns it."""
-    mine = Clock()
-    monkeypatch.setattr(time, "monotonic", mine)
-    return mine
 
 
 @pytest.fixture(scope="session")

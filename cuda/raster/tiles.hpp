@@ -34,19 +34,6 @@ inline void error_tile(const ThreadBlock<kTileThreads> &block, const RasterArgum
   differentiate_tile<C>(block, a, v, memory);
 }
 
-template <int C>
-inline void backward_tile(const ThreadBlock<kTileThreads> &block, const RasterArguments &a, TileMemory<C> &memory) {
-  const TileView v = tile_view(a, block.index());
-  block.each([&](int t) {
-    for (int q = 0; q < kThreadRows; ++q) {
-      const Place p = pixel_of(t, q);
-      for (int c = 0; c < C; ++c)
-        memory.slope[c][p.row][p.column] = is_visible(v, p) ? a.slopes[sample_at(a, v, p, c)] : 0.0f;
-    }
-  });
-  differentiate_tile<C>(block, a, v, memory);
-}
-
 }  // namespace
 
 #define SGI_TILE_KERNELS(C)                                       \
@@ -61,10 +48,6 @@ inline void backward_tile(const ThreadBlock<kTileThreads> &block, const RasterAr
   SGI_KERNEL(absolute_error_##C, kTileThreads, RasterArguments) { \
     SGI_SHARED(TileMemory<C>, memory);                            \
     error_tile<C, true>(block, a, memory);                        \
-  }                                                               \
-  SGI_KERNEL(backward_##C, kTileThreads, RasterArguments) {       \
-    SGI_SHARED(TileMemory<C>, memory);                            \
-    backward_tile<C>(block, a, memory);                           \
   }
 SGI_TILE_KERNELS(1)
 SGI_TILE_KERNELS(2)

@@ -118,15 +118,6 @@ void draw(sgi::Rasterizer &self, F32In2 means, F32In2 covariances, F32In2 colour
   self.draw(g, v, cutoff, behind, to);
 }
 
-void backward(sgi::Rasterizer &self, F32In2 means, F32In2 covariances, F32In2 colours, F32In3 grad, int x0, int y0,
-              F32Out2 grad_means, F32Out2 grad_covariances, F32Out2 grad_colours) {
-  const sgi::Gaussians g = gaussians(means, covariances, colours);
-  const sgi::View v = view(grad, g, x0, y0);
-  const sgi::Gradients out = gradients(g, grad_means, grad_covariances, grad_colours);
-  nb::gil_scoped_release release;
-  self.backward(g, v, grad.data(), out);
-}
-
 std::pair<double, double> error(sgi::Rasterizer &self, F32In2 means, F32In2 covariances, F32In2 colours, F32In3 target,
                                 int x0, int y0, float cutoff, bool absolute, float weight,
                                 std::optional<F32In2> weights, F32Out2 grad_means, F32Out2 grad_covariances,
@@ -155,8 +146,6 @@ void bind_raster(nb::module_ &m) {
       .def("forward", &forward, "means"_a, "covariances"_a, "colours"_a, "image"_a, "x0"_a, "y0"_a, "cutoff"_a)
       .def("draw", &draw, "means"_a, "covariances"_a, "colours"_a, "out"_a, "x0"_a, "y0"_a, "cutoff"_a, "lines"_a,
            "top"_a, "down"_a, "planes"_a.none(), "low"_a, "span"_a, "clip"_a)
-      .def("backward", &backward, "means"_a, "covariances"_a, "colours"_a, "grad"_a, "x0"_a, "y0"_a, "grad_means"_a,
-           "grad_covariances"_a, "grad_colours"_a)
       .def("error", &error, "means"_a, "covariances"_a, "colours"_a, "target"_a, "x0"_a, "y0"_a, "cutoff"_a,
            "absolute"_a, "weight"_a, "weights"_a.none(), "grad_means"_a, "grad_covariances"_a, "grad_colours"_a)
       .def_prop_ro("isa", [](const sgi::Rasterizer &self) { return std::string(sgi::name_of(self.isa())); })

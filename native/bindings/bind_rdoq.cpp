@@ -5,7 +5,6 @@
 #include "bindings/bindings.hpp"
 #include "bindings/seed_coding.hpp"
 #include "bitstream/frequency_tables.hpp"
-#include "rdoq/base_search.hpp"
 #include "rdoq/coordinate_descent.hpp"
 
 namespace nb = nanobind;
@@ -55,48 +54,14 @@ auto search_seeds(const nb::bytes &header, Array<const int32_t, 2> corner, Array
   const sgi::CodingModel model(coding.model, tables, opponent.data());
   const sgi::Residual left = residual_of(residual, weights, channels);
   std::vector<int64_t> decoded(n * d);
-  std::vector<int32_t> symbols(n * d);
-  std::vector<int16_t> scale(n * d);
   std::vector<double> change(n);
   {
     const nb::gil_scoped_release release;
     sgi::search_seeds(coding.model, coding.seeds, model, {lmbda, cutoff, deep, rounds}, left, values.data(),
-                      {decoded.data(), symbols.data(), scale.data(), change.data()}, threads);
+                      {decoded.data(), change.data()}, threads);
   }
-  const std::array shape{n, d};
-  return std::tuple(sgi::as_array<int64_t>(std::move(decoded), shape),
-                    sgi::as_array<int32_t>(std::move(symbols), shape), sgi::as_array<int16_t>(std::move(scale), shape),
+  return std::tuple(sgi::as_array<int64_t>(std::move(decoded), std::array{n, d}),
                     sgi::as_array<double>(std::move(change), std::array{n}));
-}
-
-void prune_gaussians(Array<float, 3> residual, Weights weights, Array<const float, 2> means,
-                     Array<const float, 2> covariances, Array<const float, 2> colours, Array<const float, 1> price,
-                     float cutoff, int threads, const std::string &isa, Array<bool, 1> pruned) {
-  const size_t n = means.shape(0), channels = colours.shape(1);
-  const sgi::Residual r = residual_of(residual, weights, channels);
-  require(means.shape(1) == 2 && has_shape(covariances, n, 3) && colours.shape(0) == n && price.shape(0) == n &&
-              pruned.shape(0) == n,
-          "means [n, 2], covariances [n, 3], colours [n, C], price [n], pruned [n]");
-  const sgi::Prunable gaussians{means.data(), covariances.data(), colours.data(), price.data(), int64_t(n)};
-  nb::gil_scoped_release release;
-  sgi::prune_gaussians(r, gaussians, cutoff, threads, sgi::choose_isa(isa), pruned.data());
-}
-
-int64_t search_base(Array<int64_t, 3> planes, Array<const int32_t, 1> table, Array<const int32_t, 1> support,
-                    Array<const int64_t, 1> start, Array<const double, 1> bits, Array<const double, 2> down,
-                    Array<const double, 2> across, Array<double, 3> pull, double step, double lmbda, int passes) {
-  const size_t channels = planes.shape(0), rows = planes.shape(1), columns = planes.shape(2);
-  require(table.shape(0) == channels, "table must be [C]");
-  require(has_shape(down, rows, rows) && has_shape(across, columns, columns) && pull.shape(0) == channels &&
-              pull.shape(1) == rows && pull.shape(2) == columns,
-          "down [rows, rows], across [columns, columns], pull [C, rows, columns]");
-  require_tables(support, start, bits);
-  for (size_t c = 0; c < channels; ++c)
-    require(table.data()[c] >= 0 && size_t(table.data()[c]) < support.shape(0), "a table does not exist");
-  const sgi::SymbolBits tables{support.data(), start.data(), bits.data(), 0};
-  const sgi::BasePlanes base{planes.data(), int64_t(channels), int64_t(rows), int64_t(columns), table.data(), tables};
-  nb::gil_scoped_release release;
-  return sgi::search_base(base, {down.data(), across.data(), pull.data(), step}, lmbda, passes);
 }
 
 }  // namespace
@@ -105,11 +70,5 @@ void bind_rdoq(nb::module_ &m) {
   m.def("search_seeds", &search_seeds, "header"_a, "corner"_a, "log_size"_a, "plan"_a, "networks"_a, "values"_a,
         "support"_a, "start"_a, "bits"_a, "opponent"_a, "residual"_a, "weights"_a, "lmbda"_a, "cutoff"_a, "deep"_a,
         "rounds"_a, "threads"_a, "isa"_a,
-        "Attributes [N, C + 5] in 2^-24, their symbols and scale indices, and the change of cost [N]; `residual` "
-        "becomes\n"
-        "what they leave.");
-  m.def("prune_gaussians", &prune_gaussians, "residual"_a, "weights"_a, "means"_a, "covariances"_a, "colours"_a,
-        "price"_a, "cutoff"_a, "threads"_a, "isa"_a, "pruned"_a);
-  m.def("search_base", &search_base, "planes"_a, "table"_a, "support"_a, "start"_a, "bits"_a, "down"_a, "across"_a,
-        "pull"_a, "step"_a, "lmbda"_a, "passes"_a);
+        "Attributes [N, C + 5] in 2^-24 and the change of cost [N]; `residual` becomes what they leave.");
 }

@@ -61,11 +61,6 @@ class TileRenderer {
   int64_t memory() const;                            // bytes, about
   // Those that it sums, in its own pixels.
   const GaussianSet &gaussians() const { return gaussians_; }
-  const std::vector<double> &base() const { return base_; }  // [C, rows, columns] colours of the base layer's cells
-  const std::optional<TextureCells> &texture() const { return texture_; }
-  const std::vector<float> &mix() const { return texture_mix_; }  // of its colours, as `draw_texture` takes it
-  bool is_restored() const { return restoration_.has_value(); }   // at scales from 1 on
-  const Header &header() const { return header_; }                // of the tile as a picture of its own
 
  private:
   // The tile as a reduced view shows it [rows, columns, C], and where that is in the view.

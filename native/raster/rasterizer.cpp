@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cstring>
 #include <numeric>
-#include <stdexcept>
 
 #include "base/thread_pool.hpp"
 #include "raster/moments.hpp"
@@ -90,22 +89,6 @@ void Rasterizer::draw(const Gaussians &g, const View &view, float cutoff, const 
                     g.channels, r.x + view.x0, r.y + view.y0, least_height(cutoff), buffer.data());
     finish(buffer.data(), g.channels, r, background, samples);
   });
-}
-
-void Rasterizer::backward(const Gaussians &g, const View &view, const float *grad, const Gradients &out) {
-  if (g.count != bins_.count || !(view == bins_.view))
-    throw std::invalid_argument("backward must follow a forward pass of the same Gaussians and view");
-  float *partials = partials_for(pairs(), g.channels);
-  parallel_for(int64_t(view.tiles_x()) * view.tiles_y(), threads_, [&](int64_t tile) {
-    TileBuffer buffer(g.channels);
-    const TileRect r = tile_rect(view, tile);
-    const int64_t begin = bins_.tile_start[tile];
-    for_each_row(view, r, g.channels,
-                 [&](int64_t from, int to, int n) { std::memcpy(buffer.data() + to, grad + from, n * sizeof(float)); });
-    gradient_kernel_.backward(bins_.entries.data() + begin, bins_.tile_start[tile + 1] - begin, bins_.splats.data(),
-                              g.colours, g.channels, r.x + view.x0, r.y + view.y0, buffer.data(), partials);
-  });
-  reduce(g, out);
 }
 
 Errors Rasterizer::error(const Gaussians &g, const View &view, float cutoff, const Comparison &with,

@@ -24,8 +24,8 @@ struct Gradients {
   float *colours;      // [N, C]
 };
 
-// Holds the bins and the partial sums of one picture, so that a backward pass reuses what its forward pass found and
-// repeated steps reuse the memory. Not safe for use by two threads at once.
+// Holds the bins and the partial sums of one picture, so that repeated steps reuse the memory. Not safe for use by two
+// threads at once.
 class Rasterizer {
  public:
   // A call throws std::overflow_error where more than `most_pairs` (tile, Gaussian) pairs
@@ -36,8 +36,6 @@ class Rasterizer {
   void forward(const Gaussians &g, const View &view, float cutoff, float *image);
   // Draws onto a background and stores samples, tile by tile: there is no image of floats in between.
   void draw(const Gaussians &g, const View &view, float cutoff, const Background &background, const Samples &samples);
-  // Gradients of the last forward's Gaussians from dL/dI = grad [C, height, width].
-  void backward(const Gaussians &g, const View &view, const float *grad, const Gradients &out);
   // One pass over the tiles: draws, compares, and returns the loss, with its weight, the sum of (I - target)^2, and the
   // loss's gradients.
   Errors error(const Gaussians &g, const View &view, float cutoff, const Comparison &with, const Gradients &out);

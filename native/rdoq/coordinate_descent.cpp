@@ -3,11 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <numeric>
 #include <vector>
 
 #include "base/thread_pool.hpp"
-#include "raster/binning.hpp"
 
 namespace sgi {
 namespace {
@@ -33,22 +31,6 @@ void for_each_chunk(int64_t count, int threads, Body body) {
   constexpr int64_t kChunk = 64;
   parallel_for((count + kChunk - 1) / kChunk, threads,
                [&](int64_t chunk) { body(chunk * kChunk, std::min(count, (chunk + 1) * kChunk)); });
-}
-
-// How leaving out a Gaussian of this colour would change the squared error; draws it into the first of two planes.
-double loss_without(const WindowKernel &kernel, const Residual &residual, const Window &w, const Splat &splat,
-                    const float *colour, float *g) {
-  kernel.draw(splat, w, g);
-  const float *weighted = g;
-  if (residual.weights) {
-    kernel.weigh(residual.weights_in(w), w, g, g + w.size());
-    weighted = g + w.size();
-  }
-  const double square = kernel.inner({g, w.stride}, w, weighted);
-  double change = 0;
-  for (int c = 0; c < residual.channels; ++c)
-    change += colour[c] * (colour[c] * square + 2.0 * kernel.inner(residual.plane(c, w), w, weighted));
-  return change;
 }
 
 // The seeds of a pass, and what is chosen of them.
@@ -86,8 +68,8 @@ void search_pass(const CodingModel &model, const SearchSettings &settings, const
 }  // namespace
 
 void search_seeds(const AttributeModel &coding, const TileSeeds &seeds, const CodingModel &model,
-                  const SearchSettings &settings, const Residual &residual, const double *values,
-                  const SymbolArrays &out, int threads) {
+                  const SearchSettings &settings, const Residual &residual, const double *values, const FoundSeeds &out,
+                  int threads) {
   const WindowKernel &kernel = kernel_for<WindowKernel>(coding.isa);
   const int64_t d = model.attributes(), stride = model.inputs[kColour];
   const std::vector<std::vector<int32_t>> neighbours = neighbours_by_pass(seeds, coding.ranks, coding.isa);
@@ -109,8 +91,6 @@ void search_seeds(const AttributeModel &coding, const TileSeeds &seeds, const Co
     for (size_t i = 0; i < n; ++i) {
       const int64_t at = members[i] * d;
       std::copy_n(pass.found[i].decoded, d, out.decoded + at);
-      std::copy_n(pass.found[i].symbols, d, out.symbols + at);
-      std::copy_n(pass.found[i].scale, d, out.scale + at);
       out.change[members[i]] = pass.change[i];
     }
     own.resize(n * kSummary), amplitude.resize(n);
@@ -119,31 +99,6 @@ void search_seeds(const AttributeModel &coding, const TileSeeds &seeds, const Co
     for (size_t i = 0; i < n; ++i)
       std::copy_n(own.data() + i * kSummary, kSummary, summary.data() + size_t(members[i]) * kSummary);
   }
-}
-
-void prune_gaussians(const Residual &residual, const Prunable &gaussians, float cutoff, int threads, Isa isa,
-                     bool *pruned) {
-  const WindowKernel &kernel = kernel_for<WindowKernel>(isa);
-  std::vector<Splat> splats(gaussians.count);
-  std::vector<Window> windows(gaussians.count);
-  for (int64_t i = 0; i < gaussians.count; ++i) {
-    const bool drawn = prepare_splat(gaussians.means + 2 * i, gaussians.covariances + 3 * i, cutoff, splats[i]);
-    windows[i] = drawn ? window_around(splats[i], 1, 0, residual) : Window{};
-    pruned[i] = windows[i].empty() && gaussians.price[i] > 0;
-  }
-  std::vector<int32_t> order(gaussians.count);
-  std::iota(order.begin(), order.end(), 0);
-  for_each_window(windows, order, residual, threads, [&]() -> Worker {
-    return [&, plane = std::make_shared<std::vector<float>>()](int64_t i) {
-      const Window &w = windows[i];
-      plane->assign((residual.weights ? 2 : 1) * w.size(), 0.0f);
-      float *g = plane->data();
-      const float *colour = gaussians.colours + i * residual.channels;
-      pruned[i] = loss_without(kernel, residual, w, splats[i], colour, g) < gaussians.price[i];
-      if (!pruned[i]) return;
-      for (int c = 0; c < residual.channels; ++c) kernel.subtract(residual.plane(c, w), w, -colour[c], g);
-    };
-  });
 }
 
 }  // namespace sgi

@@ -13,7 +13,7 @@ import click
 
 from sgicodec.cli.files import complain
 from sgicodec.cli.json_output import print_json
-from sgicodec.cli.paths import STANDARD, display, is_remote, local_name, output_exists
+from sgicodec.cli.paths import STANDARD, display, is_remote, local_name
 from sgicodec.cli.progress import Mode, batch_progress
 from sgicodec.errors import BatchError, SgiError, UsageError
 
@@ -89,7 +89,7 @@ class Batch:
                 draw(number, display(item.source), time_left(len(items) - number, finished, time.monotonic() - started))
                 try:
                     target = self._target(item, extension_of)
-                    if self.skip_existing and output_exists(target):
+                    if self.skip_existing and os.path.exists(target):
                         skipped += 1
                         continue
                     _make_folder(os.path.dirname(target))
@@ -130,7 +130,7 @@ def time_left(files: int, finished: int, seconds: float) -> str:
 
 def _make_folder(folder: str) -> None:
     if is_remote(folder):
-        return
+        raise UsageError(f"{folder}: a URL can be read, not written; name a folder")
     try:
         os.makedirs(folder or ".", exist_ok=True)
     except OSError as error:

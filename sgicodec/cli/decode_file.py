@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import os
 import time
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
@@ -21,10 +22,8 @@ from sgicodec.cli.paths import (
     display,
     local_name,
     opened_stream,
-    output_exists,
     size_of,
     with_extension,
-    written_file,
 )
 from sgicodec.cli.pictures import Output, write_bands, write_picture, write_pyramid
 from sgicodec.cli.place import lost_in, lost_outside_tiff
@@ -89,7 +88,7 @@ class DecodeJob:
 
     def is_there(self, source: str, target: str | None) -> bool:
         """Whether the picture exists already."""
-        return output_exists(target or with_extension(source, self.extension_of(source)))
+        return os.path.exists(target or with_extension(source, self.extension_of(source)))
 
     def run(self, source: str, target: str | None) -> int:
         """Decodes one stream; returns the bytes of the picture, 0 if it went to stdout."""
@@ -105,9 +104,9 @@ class DecodeJob:
             check_output(target, source, self.force, by_default=self.by_default, becomes=becomes)
             lost = lost_in(stream.metadata, extension)
             self._load_writer(target, extension)
-            with written_file(target, PictureError) as path, self.limits.held():
-                shown, channels = self._write(stream, path, extension), stream.header.channels
-                size = 0 if target == STANDARD else size_of(path)
+            with self.limits.held():
+                shown, channels = self._write(stream, target, extension), stream.header.channels
+                size = 0 if target == STANDARD else size_of(target)
         if lost and not self.quiet:
             click.echo(f"sgi: {display(target, 'stdout')}: .{extension} does not hold its {lost}; .tif does", err=True)
         if self.as_json:

@@ -27,7 +27,7 @@ from sgicodec.cli.options import (
     target_options,
     threads_option,
 )
-from sgicodec.cli.paths import display, is_stream, output_exists, refuse_folder, with_extension
+from sgicodec.cli.paths import display, is_stream, refuse_folder, with_extension
 from sgicodec.cuda.choice import check_name, device_of
 from sgicodec.errors import PictureError, UsageError
 
@@ -114,7 +114,6 @@ __all__ = ["encode"]
 )
 @click.option("--page", type=int, metavar="N", help="Page of a file with several, from 1.  [default: the first]")
 @click.option("--metadata/--no-metadata", default=True, show_default=True, help="Keep ICC profile, EXIF and XMP.")
-@click.option("--associated", is_flag=True, help="Write a slide's label and macro beside OUT, as PNG.")
 @click.option("--verify/--no-verify", default=True, show_default=True, help="Decode the stream and measure it.")
 @progress_option
 @click.option("--tile", type=int, metavar="N", help="Side of the tiles of a large picture; 0 for a single one.")
@@ -142,7 +141,6 @@ def encode(
     as_json: bool,
     quiet: bool,
     sample_range: RangeChoice | None,
-    associated: bool,
     verify: bool,
     progress: Mode,
     force: bool,
@@ -191,7 +189,6 @@ def encode(
             sample_range=sample_range,
             alpha=alpha,
             page=page,
-            associated=associated,
             device=computes,
             device_name=device,
             max_memory=max_memory,
@@ -222,7 +219,7 @@ def encode(
     refuse_folder(paths[0], "pictures", PictureError)
     named = output or (paths[1] if len(paths) == 2 else None)
     target = _default_target(paths[0]) if named is None else named
-    if not (skip_existing and output_exists(target)):
+    if not (skip_existing and os.path.exists(target)):
         run(paths[0], target)
 
 

@@ -11,22 +11,18 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO, Literal
 
-from sgicodec.cli.associated import associated_pictures, write_associated
 from sgicodec.cli.encode_listener import EncodeListener
-from sgicodec.cli.paths import STANDARD, check_output, display, local_name
+from sgicodec.cli.paths import STANDARD, check_output, display
 from sgicodec.cli.progress import Mode
 from sgicodec.cli.report import Report, print_report
 from sgicodec.cuda.choice import device_of
 from sgicodec.encoder.tiles.checkpoint import Checkpoint
 from sgicodec.errors import EncodeInterruptedError, StreamError, TargetMissedError, UsageError
 from sgicodec.executors.executor import MIB
-from sgicodec.executors.gpus import GpuExecutor
 from sgicodec.executors.peak import own_peak
 from sgicodec.executors.processes import ProcessExecutor
 from sgicodec.executors.threads import ThreadExecutor
 from sgicodec.image.source import open_to_encode
-from sgicodec.remote.upload import Upload
-from sgicodec.remote.url import is_url
 
 if TYPE_CHECKING:
     from sgicodec.device import Device
@@ -51,8 +47,6 @@ class EncodeOptions:
     """What a last band is taken for."""
     page: int | None
     """Which page of a file that holds several, from 1; None for the first."""
-    associated: bool
-    """Whether pictures beside the main one, such as a label, are encoded too."""
     device: Device
     """What computes in this process."""
     device_name: str
@@ -96,7 +90,6 @@ def encode_file(origin: str, target: str, options: EncodeOptions, started: float
         raise UsageError("stdout cannot take both the stream and --json; name OUT")
     becomes: Literal["stream"] | None = None if options.is_named else "stream"
     check_output(target, origin, options.force, by_default=options.is_default, becomes=becomes)
-    pictures = associated_pictures(origin, target, options.force, options.is_default) if options.associated else []
     data = sys.stdin.buffer.read() if origin == STANDARD else origin
     missed = None
     with ExitStack() as stack:
@@ -107,10 +100,7 @@ def encode_file(origin: str, target: str, options: EncodeOptions, started: float
         executor = _executor(origin, options, source, stack)
         device = device_of(options.device_name, options.device.threads) if executor is None else options.device
         checkpoint = Checkpoint(_part(target, stack), options.resume, options.force)
-        upload = stack.enter_context(Upload(target, StreamError)) if is_url(target) else None
         output: Path | BinaryIO = sys.stdout.buffer if target == STANDARD else Path(target)
-        if upload is not None:
-            output = upload.path  # which is sent when it is whole
         from sgicodec.encoder.pipeline import encode_picture
 
         try:
@@ -131,12 +121,8 @@ def encode_file(origin: str, target: str, options: EncodeOptions, started: float
             if not checkpoint.is_open or target == STANDARD:
                 raise
             done = len({version.tile for version in checkpoint.tiles})
-            text = f"{done} of {listener.tiles} tiles are in {display(local_name(target))}.part"
+            text = f"{done} of {listener.tiles} tiles are in {display(target)}.part"
             raise EncodeInterruptedError(f"interrupted; {text}, --resume goes on") from None
-        if upload is not None:
-            upload.send()
-    if options.associated:
-        write_associated(pictures, origin, tells=not (options.quiet or options.as_json))
     if not options.quiet or options.as_json:
         report = Report.of(listener.plan, encoded, options.device_name)
         seconds, own = time.monotonic() - started, own_peak()
@@ -184,20 +170,16 @@ def _executor(origin: str, options: EncodeOptions, source: Source, stack: ExitSt
 
 
 def _local_executor(device: Device, max_memory: float | None) -> Executor:
-    """Processes for the processor; threads for a GPU, which one process feeds best; for several, a process for each."""
+    """Processes for the processor; threads for a GPU, which one process feeds best."""
     if device.gpu is None:
         return ProcessExecutor(device.cores, max_memory)
-    if device.gpus == 1:
-        return ThreadExecutor(device.cores + 1, max_memory)
-    return GpuExecutor(device.gpus, device.cores + device.gpus, max_memory, device.gpu)
+    return ThreadExecutor(device.cores + 1, max_memory)
 
 
 def _part(target: str, stack: ExitStack) -> Path:
-    """Where finished tiles are kept: beside OUT, of a URL in the working folder, or for a moment where there is no
-    OUT.
-    """
+    """Where finished tiles are kept: beside OUT, or for a moment where there is no OUT."""
     if target != STANDARD:
-        return Path(os.path.realpath(local_name(target)) + ".part")
+        return Path(os.path.realpath(target) + ".part")
     import tempfile
 
     return Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="sgicodec-"))) / "part"

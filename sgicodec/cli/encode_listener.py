@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from contextlib import ExitStack
 from types import TracebackType
 from typing import TYPE_CHECKING
@@ -11,8 +10,8 @@ import click
 
 from sgicodec.cli.interrupt import EarlyEnd
 from sgicodec.cli.paths import STANDARD, display
-from sgicodec.cli.progress import Mode, encode_progress, fit_text, tile_text
-from sgicodec.encoder.progress import NullListener, PassState, StageClock, stage_weights
+from sgicodec.cli.progress import EncodeBar, Mode, encode_progress, fit_text, tile_text
+from sgicodec.encoder.progress import NullListener, PassState
 from sgicodec.executors.available import group_memory
 from sgicodec.executors.executor import MIB, Memory
 
@@ -31,8 +30,7 @@ class EncodeListener(NullListener):
     def __init__(self, mode: Mode, quiet: bool, on_cluster: bool, source: str = STANDARD) -> None:
         self._mode, self._quiet, self._on_cluster, self._source = mode, quiet, on_cluster, source
         self._stack, self._early, self._told = ExitStack(), EarlyEnd(), False
-        self._stages, self._pass, self._pixels, self._has_texture = StageClock(), "", 1, False
-        self._say: Callable[[str], None] = lambda _: None
+        self._bar, self._pixels, self._has_texture = EncodeBar(), 1, False
 
     def __enter__(self) -> EncodeListener:
         self._stack.enter_context(self._early)
@@ -41,8 +39,6 @@ class EncodeListener(NullListener):
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        if kind is None:
-            self._stages.finish()
         self._stack.close()
 
     @property
@@ -58,7 +54,6 @@ class EncodeListener(NullListener):
     def planned(self, plan: Plan, workers: int, memory: Memory) -> None:
         """Says what the encode will take, and begins the bar."""
         self.plan, header, self._has_texture = plan, plan.header, plan.header.spec.texture
-        self._stages.plan(stage_weights(plan))
         self._pixels = header.width * header.height
         if header.tile and not self._quiet:
             _, _, width, height = header.grid.rect(0)
@@ -72,17 +67,17 @@ class EncodeListener(NullListener):
         if limit is not None and memory.total(workers) > limit and not self._quiet:
             text = f"this takes about {memory.total(workers) / MIB:,.0f} MiB, and its control group may have "
             self.note(f"{text}{limit / MIB:,.0f}; the system may end it. A smaller --tile takes less")
-        self._say = self._stack.enter_context(encode_progress(self._mode, self._stages))
+        self._bar = self._stack.enter_context(encode_progress(self._mode))
 
     def stage(self, name: str) -> None:
         """Moves the bar."""
-        self._stages.begin(name)
+        self._bar.show(name)
 
     def step(self, progress: Progress) -> bool:
         """From the first step on, Ctrl-C ends the fit."""
         self._early.arm()
-        self._stages.advance(progress.step / max(1, progress.steps))
-        self._say(fit_text(progress, self._pixels, self._has_texture))
+        share = progress.step / max(1, progress.steps)
+        self._bar.show("fit", share, fit_text(progress, self._pixels, self._has_texture))
         if self._early.asked:
             self._tell(f"interrupted at step {progress.step} of {progress.steps}; writing what is there")
         return not self._early.asked
@@ -109,8 +104,4 @@ class EncodeListener(NullListener):
 
     def tile(self, state: PassState) -> None:
         """Draws the bar."""
-        if state.name != self._pass:
-            self._stages.begin("more passes" if self._pass else "tiles")
-            self._pass = state.name
-        self._stages.advance(state.pixels / max(1, state.all_pixels))
-        self._say(tile_text(state))
+        self._bar.show(state.name, state.pixels / max(1, state.all_pixels), tile_text(state))

@@ -11,7 +11,6 @@ import click
 
 from sgicodec.cli.command import examples_text
 from sgicodec.cli.options import VERBOSE, verbose_option
-from sgicodec.cli.spelling import check_spelling
 from sgicodec.cli.standard_streams import drop, repair
 from sgicodec.cli.texts import EXAMPLES, EXIT_CODES, NO_MEMORY
 from sgicodec.device import check_room
@@ -98,10 +97,7 @@ class Cli(click.Group):
                 hint = f" (did you mean {close[0]!r}?)" if close else ""
             raise click.UsageError(f"there is no command {name!r}{hint}", ctx)
         check_room(_ROOM_MIB.get(name, 0), f"sgi {name}")
-        found = super().resolve_command(ctx, args)
-        if found[1] is not None and not ctx.resilient_parsing:
-            check_spelling(found[1], ctx, found[2])
-        return found
+        return super().resolve_command(ctx, args)
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         """`--version -v` says more, in any order."""

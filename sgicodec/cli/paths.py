@@ -27,12 +27,10 @@ __all__ = [
     "local_name",
     "naming_stream",
     "opened_stream",
-    "output_exists",
     "refuse_folder",
     "size_of",
     "with_extension",
     "write_output",
-    "written_file",
 ]
 
 STANDARD = "-"
@@ -141,8 +139,7 @@ def check_output(
             raise UsageError("stdout is a terminal; name OUT, redirect, or give -f to write to it all the same")
         return
     if is_remote(target):
-        _check_url(target, source, force, becomes == "stream")
-        return
+        raise UsageError(f"{target}: a URL can be read, not written; name a file")
     from pathlib import Path  # takes long to load
 
     path, name = Path(target), display(target)
@@ -187,27 +184,6 @@ def _check_replaced(path: Path, force: bool, by_default: bool, becomes: str | No
         raise OutputExistsError(f"{name} exists; give -f to overwrite it")
 
 
-def output_exists(target: str) -> bool:
-    """Whether the file of this path or URL is there. Raises UsageError where a URL cannot be asked."""
-    if not is_remote(target):
-        return os.path.exists(target)
-    from sgicodec.remote.upload import is_there
-
-    return is_there(target, UsageError)
-
-
-def _check_url(target: str, source: str, force: bool, as_stream: bool) -> None:
-    """The same as `check_output` for a URL."""
-    suffix = os.path.splitext(local_name(target))[1].lower()
-    if as_stream and suffix not in ("", ".sgi"):
-        raise UsageError(f"{target} would be OUT, but does not end in .sgi; name OUT with -o")
-    there = output_exists(target)
-    if there and target == source:
-        raise UsageError(f"{target} is both input and output; name another OUT")
-    if there and not force:
-        raise OutputExistsError(f"{target} exists; give -f to overwrite it")
-
-
 def _check_stream(path: Path) -> None:
     """Raises UsageError for a picture, and for a name that streams do not have."""
     from sgicodec.image.reader import is_picture
@@ -217,18 +193,6 @@ def _check_stream(path: Path) -> None:
         raise UsageError(f"{name} would be OUT, but does not end in .sgi; {remedy}")
     if path.exists() and is_picture(path):
         raise UsageError(f"{name} would be OUT, but it is a picture; {remedy}")
-
-
-@contextlib.contextmanager
-def written_file(target: str, failure: type[SgiError]) -> Iterator[str]:
-    """The same target, or of a URL a file which is sent after the block. Raises `failure` if it cannot be sent."""
-    if not is_remote(target):
-        yield target
-        return
-    from sgicodec.remote.upload import local_file
-
-    with local_file(target, failure) as path:
-        yield str(path)
 
 
 def write_output(target: str, data: bytes, failure: type[SgiError]) -> None:

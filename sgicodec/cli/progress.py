@@ -4,46 +4,50 @@ from __future__ import annotations
 
 import contextlib
 import sys
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Literal
 
 from sgicodec.errors import require
 
 if TYPE_CHECKING:
-    from rich.console import Console, RenderableType
+    from rich.console import Console
+    from rich.progress import Progress as Bar
 
-    from sgicodec.encoder.progress import PassState, StageClock
+    from sgicodec.encoder.progress import PassState
     from sgicodec.fit.trainer import Progress
 
-__all__ = ["Mode", "batch_progress", "clock", "encode_progress", "fit_text", "row_progress", "tile_text"]
+__all__ = ["EncodeBar", "Mode", "batch_progress", "encode_progress", "fit_text", "row_progress", "tile_text"]
 
 Mode = Literal["auto", "on", "off"]
 
 
+class EncodeBar:
+    """The bar of an encode: its stage, which share of that is done, where that is known, and a text beside it."""
+
+    def __init__(self, bar: Bar | None = None) -> None:
+        self._bar = bar
+        self._task = None if bar is None else bar.add_task("load", total=None, state="")
+
+    def show(self, stage: str, share: float | None = None, text: str | None = None) -> None:
+        """share: None where the stage does not say it; text: None for the one that is there."""
+        if self._bar is not None and self._task is not None:
+            total, done = (None, 0.0) if share is None else (1.0, share)
+            self._bar.update(self._task, description=stage, total=total, completed=done)
+            if text is not None:
+                self._bar.update(self._task, state=text)
+
+
 @contextlib.contextmanager
-def encode_progress(mode: Mode, stages: StageClock) -> Iterator[Callable[[str], None]]:
-    """Draws one bar on stderr for a whole encode, with `auto` only on a terminal; yields what takes a text beside it.
-
-    The bar shows the clock's stage and its share of the whole, also while native code computes.
-    """
+def encode_progress(mode: Mode) -> Iterator[EncodeBar]:
+    """The bar on stderr, with `auto` only on a terminal."""
     if not _is_drawn(mode):
-        yield lambda text: None
+        yield EncodeBar()
         return
-    from rich.progress import BarColumn, TaskProgressColumn, TextColumn
-    from rich.progress import Progress as Bar
+    from rich.progress import BarColumn, Progress, TextColumn
 
-    class Clocked(Bar):
-        def get_renderables(self) -> Iterable[RenderableType]:
-            for task in self.tasks:
-                task.completed, left = stages.fraction, stages.seconds_left
-                task.description, task.fields["left"] = stages.name, "" if left is None else f"{clock(left)} left"
-            return super().get_renderables()
-
-    texts = [TextColumn(f"{{task.fields[{name}]}}", markup=False) for name in ("left", "state")]
-    columns = (TextColumn("{task.description:<8}"), BarColumn(), TaskProgressColumn(), *texts)
-    with Clocked(*columns, console=_console(mode), refresh_per_second=4) as bar:
-        task = bar.add_task(stages.name, total=1.0, left="", state="")
-        yield lambda text: bar.update(task, state=text)
+    columns = (TextColumn("{task.description:<8}"), BarColumn(), TextColumn("{task.fields[state]}", markup=False))
+    with Progress(*columns, console=_console(mode), refresh_per_second=4) as bar:
+        yield EncodeBar(bar)
 
 
 def fit_text(progress: Progress, pixels: int, has_texture: bool) -> str:
@@ -65,12 +69,6 @@ def tile_text(state: PassState) -> str:
     if state.samples:
         parts.append(f"{state.bpp:.3f} bpp  {state.psnr:.2f} dB")
     return "  ".join(parts)
-
-
-def clock(seconds: float) -> str:
-    """A time as h:mm:ss; one that is not over is at least a second."""
-    minutes, rest = divmod(max(1, round(seconds)), 60)
-    return f"{minutes // 60}:{minutes % 60:02}:{rest:02}"
 
 
 @contextlib.contextmanager

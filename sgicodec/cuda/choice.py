@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from sgicodec.device import Device
 from sgicodec.errors import SgiError, UsageError
 
-__all__ = ["CHOICES", "NamedDevice", "check_name", "decoding_device_of", "device_of", "own_device_of"]
+__all__ = ["CHOICES", "NamedDevice", "check_name", "decoding_device_of", "device_of"]
 
 CHOICES = "auto, cpu, cuda or cuda:N"
 
@@ -22,8 +22,8 @@ def check_name(name: str) -> int | None:
 
 
 def device_of(name: str = "auto", threads: int = 0) -> Device:
-    """The device of this name, with as many threads of the processor. `cuda` is all GPUs, of which a picture in one
-    tile takes the first; `auto` is the same if they can be used, else the processor alone.
+    """The device of this name, with as many threads of the processor. `cuda` is the first GPU; `auto` is the same if
+    it can be used, else the processor alone.
 
     Raises UsageError for another name; NoDeviceError or MissingExtraError where `cuda` lacks GPU, driver or compiler.
     """
@@ -31,33 +31,19 @@ def device_of(name: str = "auto", threads: int = 0) -> Device:
     if name == "cpu":
         return Device(threads)
     try:
-        count = _usable(number or 0)
+        _check_usable(number or 0)
     except (SgiError, MemoryError):
         if name != "auto":
             raise
         return Device(threads)
-    return Device(threads, gpu=number or 0, gpus=count if number is None else 1)
-
-
-def own_device_of(name: str = "auto", threads: int = 0) -> Device:
-    """The same for one of several processes of a machine: of several GPUs, one that the fewest others have claimed."""
-    if name == "cpu" or check_name(name) is not None:
-        return device_of(name, threads)
-    from sgicodec.cuda.claim import claimed_gpu
-
-    try:
-        return device_of(f"cuda:{claimed_gpu()}", threads)
-    except (SgiError, MemoryError):
-        if name != "auto":
-            raise
-        return Device(threads)
+    return Device(threads, gpu=number or 0)
 
 
 def decoding_device_of(name: str = "auto", threads: int = 0) -> Device:
     """The device that decodes: as `device_of`, but `auto` is the processor, which has drawn most pictures before a GPU
-    is ready (docs/performance.md), and `cuda` one GPU.
+    is ready (docs/performance.md).
     """
-    return device_of("cpu" if name == "auto" else name, threads).of_tile(0)
+    return device_of("cpu" if name == "auto" else name, threads)
 
 
 @dataclass(frozen=True)
@@ -69,14 +55,13 @@ class NamedDevice:
     name: str
     processor: Device
 
-    def of_tile(self, number: int) -> Device:
-        """What computes any tile in this process. Raises as `device_of`."""
-        found = own_device_of(self.name, self.processor.threads)
-        return replace(self.processor, gpu=found.gpu, gpus=1)
+    def found(self) -> Device:
+        """What computes in this process. Raises as `device_of`."""
+        return replace(self.processor, gpu=device_of(self.name, self.processor.threads).gpu)
 
 
-def _usable(number: int) -> int:
-    """How many GPUs there are. Raises an error if this one cannot be used."""
+def _check_usable(number: int) -> None:
+    """Raises an error if this GPU cannot be used."""
     from sgicodec.cuda.gpu import opened
 
-    return opened(number).driver.count
+    opened(number)

@@ -84,12 +84,6 @@ class Driver:
         """A property of it, by its number in CUdevice_attribute."""
         return self._number("cuDeviceGetAttribute", ctypes.c_int(number), self._device(index))
 
-    def identity(self, index: int) -> str:
-        """What tells it from all other GPUs, whatever number it has in this process."""
-        found = ctypes.create_string_buffer(16)
-        self.call("cuDeviceGetUuid_v2", found, self._device(index))
-        return found.raw.hex()
-
     def context(self, index: int) -> Pointer:
         """Its primary context, which all users in this process share."""
         if not 0 <= index < self.count:

@@ -121,7 +121,7 @@ class TilePasses:
         self.gpu.launch("find_tiles", -(-(self.capacity + 1) // SEARCHERS), SEARCHERS, self._sorted)
 
     def over_tiles(self, kernel: str) -> None:
-        """`forward`, `error`, `absolute_error` or `backward`, a block for each tile, after `bin`."""
+        """`forward`, `error` or `absolute_error`, a block for each tile, after `bin`."""
         self.gpu.launch(f"{kernel}_{self.channels}", self.view.tiles, TILE_THREADS, self._sorted)
 
     def reduce(self) -> None:

@@ -16,8 +16,6 @@ from sgicodec.errors import PictureError, UsageError
 from sgicodec.image.conversion import as_picture
 from sgicodec.image.source import open_to_encode
 from sgicodec.image.used_range import RangeChoice
-from sgicodec.remote.upload import Upload
-from sgicodec.remote.url import is_url
 
 __all__ = ["encode", "imwrite"]
 
@@ -55,20 +53,10 @@ def imwrite(
     device: Device = ALL_CORES,
     **settings: Any,
 ) -> None:
-    """The same into a file or to a URL, where it appears whole or not at all. Raises PictureError too if it cannot be
-    written.
-    """
+    """The same into a file, which appears whole or not at all. Raises PictureError too if it cannot be written."""
     if not isinstance(path, str | os.PathLike):
         raise UsageError(f"a {type(path).__name__} is no path")
     samples = _Samples(channels, sample_range, nodata)
-    if isinstance(path, str) and is_url(path):
-        with Upload(path, PictureError) as upload:
-            try:
-                _encode(image, upload.path, samples, page, device, settings)
-            finally:
-                if upload.path.exists():  # also where a target was missed
-                    upload.send()
-        return
     try:
         _encode(image, Path(path), samples, page, device, settings)
     except OSError as error:

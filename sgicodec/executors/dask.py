@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import AbstractContextManager, ExitStack, contextmanager
-from dataclasses import replace
 from typing import Any, TypeVar
 
 from sgicodec.cuda.choice import NamedDevice, check_name
@@ -39,7 +38,7 @@ class Cluster(Executor):
     def device(self, whole: Device, jobs: int) -> Device | NamedDevice:
         """As many threads for each job as were asked for, one where none were: a worker runs several jobs at once."""
         own = whole.with_threads(max(1, whole.threads))
-        return replace(own, gpus=1) if self._device is None else NamedDevice(self._device, own.processor)
+        return own if self._device is None else NamedDevice(self._device, own.processor)
 
     def run(
         self,

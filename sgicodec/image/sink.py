@@ -21,8 +21,6 @@ from sgicodec.image.png_output import PngOutput
 from sgicodec.metadata import embedded
 from sgicodec.metadata.layouts import LAYOUTS
 from sgicodec.picture import Metadata
-from sgicodec.remote.upload import check_writable, send
-from sgicodec.remote.url import file_name, is_url
 
 __all__ = ["Sink", "Target", "open_sink"]
 
@@ -38,7 +36,7 @@ class Sink:
     """A picture that is being written. A context manager: leaving it finishes the file, an exception leaves nothing.
 
     The file is made in a folder of its own beside the target, whose old contents stay until all is written, and then
-    renamed. For streams, devices and URLs it is made in the folder for temporary files and copied.
+    renamed. For streams and devices it is made in the folder for temporary files and copied.
     """
 
     def __init__(
@@ -53,9 +51,6 @@ class Sink:
     ) -> None:
         self._target, self._header, self._metadata = target, header, metadata
         with naming(target), ExitStack() as stack:
-            self._url = target if isinstance(target, str) and is_url(target) else None
-            if self._url is not None:
-                check_writable(self._url)
             self._holder = formats.find(format or _suffix_of(target))
             self._holder.check(header)
             samples = header.width * header.height * header.count
@@ -131,8 +126,6 @@ class Sink:
             if path is not None:
                 os.fsync(file.fileno())
                 os.replace(self._part, path)
-            elif self._url is not None:
-                send(self._part, self._url, PictureError)
             elif isinstance(self._target, str | Path):
                 with Path(self._target).open("wb") as device:
                     shutil.copyfileobj(file, device)
@@ -185,14 +178,12 @@ def open_sink(
 
 
 def _suffix_of(target: Target) -> str:
-    if not isinstance(target, str | Path):
-        return ""
-    return Path(file_name(target) if isinstance(target, str) and is_url(target) else target).suffix
+    return Path(target).suffix if isinstance(target, str | Path) else ""
 
 
 def _file_of(target: Target) -> Path | None:
-    """The file that will be put in place, its links followed; None for streams, devices and URLs."""
-    if not isinstance(target, str | Path) or (isinstance(target, str) and is_url(target)):
+    """The file that will be put in place, its links followed; None for streams and devices."""
+    if not isinstance(target, str | Path):
         return None
     if Path(target).exists() and not Path(target).is_file():
         return None

@@ -16,12 +16,12 @@ from sgicodec.metadata import geo, ifd
 from sgicodec.metadata.filebytes import FileBytes
 from sgicodec.metadata.stacks import resolution_tags
 from sgicodec.metadata.tiff import DESCRIPTION
-from sgicodec.picture import Metadata, Picture
+from sgicodec.picture import Metadata
 
 if TYPE_CHECKING:
     from OpenImageIO import ImageSpec
 
-__all__ = ["SlideReader", "associated", "is_slide"]
+__all__ = ["SlideReader", "is_slide"]
 
 _SUFFIXES = (".ndpi", ".scn", ".bif", ".mrxs", ".vms", ".vmu", ".svslide", ".czi")
 """Files that seem to be something else: of many the first picture is a small one, or the label."""
@@ -104,18 +104,6 @@ class SlideReader(Reader):
     def close(self) -> None:
         """Close the file."""
         self._slide.close()
-
-
-def associated(path: Path) -> dict[str, Picture]:
-    """The label, the macro and what else a slide has besides its levels, but for a thumbnail, on white. Raises
-    PictureError for what OpenSlide does not read.
-    """
-    slide = _opened(path)
-    try:
-        images = {name: image for name, image in slide.associated_images.items() if name != "thumbnail"}
-    finally:
-        slide.close()
-    return {name: Picture(_on(image, "white"), "rgb", (0, 255)) for name, image in images.items()}
 
 
 def _opened(path: Path) -> Any:

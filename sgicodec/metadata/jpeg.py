@@ -72,9 +72,9 @@ def insert(data: Bytes, metadata: Metadata) -> Iterator[bytes]:
     found = density.density(metadata.geo, metadata.exif)
     ours = [] if metadata.exif is None else [_segment(exif.PREFIX, metadata.exif, "EXIF")]
     if metadata.xmp is not None:
-        main, extensions = extended_xmp.split(metadata.xmp, _PAYLOAD_MAX - len(_XMP_PREFIX))
-        ours.append(_segment(_XMP_PREFIX, main, "XMP"))
-        ours += [_segment(_EXTENSION_PREFIX, extension, "XMP") for extension in extensions]
+        is_long = len(metadata.xmp) > _PAYLOAD_MAX - len(_XMP_PREFIX)
+        packet = extended_xmp.without_padding(metadata.xmp) if is_long else metadata.xmp
+        ours.append(_segment(_XMP_PREFIX, packet, "XMP"))
     yield from (bytes(data[:2]), *(_with_density(segment, found) for segment in jfif), *ours, *kept[len(jfif) :])
     yield from (bytes(data[start : start + _PIECE]) for start in rest)
 

@@ -5,17 +5,14 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sgicodec.picture import Picture, to_unit
 
 __all__ = ["decibels", "squared_error"]
 
-F32 = NDArray[np.float32]
 
-
-def squared_error(original: Picture, decoded: Picture, weights: F32 | None = None) -> float:
-    """Squared error summed over samples in 0..1, times weights [H, W] if given; unseen colours count nothing."""
+def squared_error(original: Picture, decoded: Picture) -> float:
+    """Squared error summed over samples in 0..1; unseen colours count nothing."""
     error = 0.0
     for row in range(0, original.height, _ROWS):
         rows = slice(row, row + _ROWS)
@@ -24,8 +21,7 @@ def squared_error(original: Picture, decoded: Picture, weights: F32 | None = Non
         difference = ours.astype(np.float64) - theirs
         if original.alpha is not None:
             difference[ours[..., original.alpha] == 0, : original.alpha] = 0
-        squares = difference**2
-        error += float((squares if weights is None else squares * weights[rows, :, None]).sum())
+        error += float((difference**2).sum())
     return error
 
 

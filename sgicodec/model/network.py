@@ -73,6 +73,8 @@ class IntNetwork:
         b2[outputs] = more
         return self.plus(np.zeros_like(self.b1), np.zeros_like(self.w2), b2)
 
-    def coarser(self, shift: int) -> IntNetwork:
-        """This network with every refinement r of the steps raised by shift · 2^-DIFFERENCE_SHIFT octaves."""
-        return self.biased(slice(2 * self.predicted, None), shift)
+    def coarser(self, octaves: float) -> IntNetwork:
+        """This network with every refinement r of the steps raised by so many octaves, in units of
+        2^-DIFFERENCE_SHIFT.
+        """
+        return self.biased(slice(2 * self.predicted, None), round(octaves * 2**DIFFERENCE_SHIFT))

@@ -15,7 +15,6 @@ from sgicodec.files.scratch import scratch_folder
 from sgicodec.files.whole import whole_file
 from sgicodec.plugins.compression import DEFLATE, Compression
 from sgicodec.plugins.pyramid import is_masked, write_levels
-from sgicodec.remote.upload import local_file
 
 __all__ = ["write_cog"]
 
@@ -37,8 +36,8 @@ def write_cog(
     done: Callable[[int], None] = lambda rows: None,
     **view: Any,
 ) -> None:
-    """Writes a stream, or a part of it, with place, nodata and overviews, to a file or URL, where it appears whole
-    or not at all.
+    """Writes a stream, or a part of it, with place, nodata and overviews, to a file, which appears whole or
+    not at all.
 
     Overviews are rendered by the decoder; a pyramid is written beside the file first, which GDAL puts in order.
     Parameters and errors are those of `write_pyramid`.
@@ -52,13 +51,13 @@ def write_cog(
     dtype = np.dtype(view.get("dtype") or stream.dtype)
     compression.check(stream.header.channels, dtype, None if masked else stream.nodata)
     try:
-        with local_file(path, PictureError) as target, scratch_folder(target.resolve().parent) as folder:
+        with scratch_folder(Path(path).resolve().parent) as folder:
             unordered, ordered = folder / "pyramid.tif", folder / "cog.tif"
             with unordered.open("wb") as file:
                 write_levels(stream, file, False, view, done, masked=masked)
             with rasterio.Env(GDAL_CACHEMAX=_CACHE_MIB):
                 rasterio.shutil.copy(unordered, ordered, **_OPTIONS, **compression.for_gdal())
-            with whole_file(target) as out, ordered.open("rb") as done_file:
+            with whole_file(Path(path)) as out, ordered.open("rb") as done_file:
                 shutil.copyfileobj(done_file, out)
     except RasterioError as error:
         raise PictureError(f"{path}: {' '.join(str(error).split())}") from error

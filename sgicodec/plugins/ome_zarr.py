@@ -16,7 +16,6 @@ from sgicodec.errors import PictureError, UsageError, require
 from sgicodec.files.scratch import scratch_folder
 from sgicodec.metadata.gdal_items import band_facts
 from sgicodec.plugins.pyramid import microns_of, strips
-from sgicodec.remote.url import is_url
 
 __all__ = ["write_ome_zarr"]
 
@@ -35,12 +34,10 @@ def write_ome_zarr(
     """Writes a stream, or a part of it, to a folder, which appears whole or not at all and replaces one of Zarr.
 
     Levels are rendered by the decoder and compressed without loss; the size of a pixel, the range of samples, colours
-    and names of bands are stated. Parameters are those of `write_pyramid`. Raises StreamError, PictureError, UsageError
-    for a URL, MissingExtraError.
+    and names of bands are stated. Parameters are those of `write_pyramid`. Raises StreamError, PictureError,
+    MissingExtraError.
     """
     require("zarr", "writing OME-Zarr", "zarr")
-    if is_url(str(path)):
-        raise UsageError(f"{path}: OME-Zarr is a folder, which is not written to a URL; write it here and copy it")
     target = Path(os.path.realpath(path))
     try:
         with scratch_folder(target.parent) as folder:

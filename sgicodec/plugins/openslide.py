@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-import re
 from collections.abc import Mapping
-from pathlib import Path
 from types import MappingProxyType, TracebackType
 from typing import TYPE_CHECKING, Any
 
@@ -22,7 +20,6 @@ from sgicodec.metadata.layouts import WITHOUT_ALPHA
 from sgicodec.metadata.slides import magnification
 from sgicodec.metadata.tiff import DESCRIPTION, described
 from sgicodec.picture import Picture, nodata_mask, to_rgb8
-from sgicodec.remote.url import is_url
 
 if TYPE_CHECKING:
     from PIL.Image import Image
@@ -102,15 +99,8 @@ class Slide:
 
     @property
     def associated_images(self) -> Mapping[str, Image]:
-        """What lies beside a stream that was opened by its path: NAME.label.png, by `sgi encode --associated`."""
-        from PIL import Image
-
-        if self._stream.name is None or is_url(self._stream.name):
-            return MappingProxyType({})
-        path = Path(self._stream.name)
-        names = re.compile(re.escape(path.stem) + r"\.([\w ]+)\.png")
-        found = ((names.fullmatch(file.name), file) for file in sorted(path.parent.iterdir()))
-        return MappingProxyType({name[1]: Image.open(file).convert("RGBA") for name, file in found if name})
+        """None: a stream has no label and no macro."""
+        return MappingProxyType({})
 
     @property
     def color_profile(self) -> Any:

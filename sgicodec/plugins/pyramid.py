@@ -22,7 +22,6 @@ from sgicodec.plugins.compression import DEFLATE, Compression
 from sgicodec.plugins.content_mask import ContentMask
 from sgicodec.plugins.ome_name import is_ome_name
 from sgicodec.plugins.ome_xml import has_planes, ome_xml
-from sgicodec.remote.upload import local_file
 
 if TYPE_CHECKING:
     from tifffile import TiffWriter
@@ -51,8 +50,7 @@ def write_pyramid(
     done: Callable[[int], None] = lambda rows: None,
     **view: Any,
 ) -> None:
-    """Writes a stream, or a part of it, and its half, its quarter … to a file or URL, where it appears whole or not at
-    all.
+    """Writes a stream, or a part of it, and its half, its quarter … to a file, which appears whole or not at all.
 
     ome: whether it is OME-TIFF; by default if it is called `.ome.tif` or `.ome.tiff`. compression: of the tiles. view:
     region, scale, size, dtype and boundless, as of `Stream.read`. done: called with the rows of the first level that
@@ -61,7 +59,7 @@ def write_pyramid(
     """
     ome = is_ome_name(str(path)) if ome is None else ome
     try:
-        with local_file(path, PictureError) as local, whole_file(local) as file:
+        with whole_file(Path(path)) as file:
             masked = not ome and is_masked(stream, compression, view)
             write_levels(stream, file, ome, view, done, compression, masked)
     except OSError as error:

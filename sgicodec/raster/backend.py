@@ -102,12 +102,6 @@ class Backend(Protocol[Array]):
         """
         ...
 
-    def backward(
-        self, means: Array, covariances: Array, colours: Array, grad: Array, origin: tuple[int, int] = (0, 0)
-    ) -> tuple[Array, Array, Array]:
-        """Gradients of means, covariances and colours from dL/dI = grad, right after `forward` on the same."""
-        ...
-
     def error(
         self,
         means: Array,

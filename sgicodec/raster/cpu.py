@@ -26,8 +26,8 @@ class NativeRasterizer:
 
     Raises ValueError for an instruction set that this processor lacks. `cutoff` is where a Gaussian ends, in standard
     deviations. A call that would list more than `most_pairs` (tile, Gaussian) pairs, 12 bytes each, raises
-    OverflowError: a hostile stream must not take all memory. An instance keeps the tile lists of its last forward pass
-    for the backward pass and is not safe for use by two threads at once.
+    OverflowError: a hostile stream must not take all memory. An instance keeps its memory
+    and is not safe for use by two threads at once.
     """
 
     def __init__(self, device: Device = ALL_CORES, cutoff: float = DEFAULT_CUTOFF, most_pairs: int = MAX_PAIRS) -> None:
@@ -82,14 +82,6 @@ class NativeRasterizer:
         self._raster.draw(
             *(means, covariances, colours, out, *origin, self.cutoff), *(lines, top, down, planes), *(low, span, clip)
         )
-
-    def backward(
-        self, means: F32, covariances: F32, colours: F32, grad: F32, origin: tuple[int, int] = (0, 0)
-    ) -> tuple[F32, F32, F32]:
-        """Gradients of means, covariances and colours from dL/dI = grad [C, H, W], after `forward` on the same."""
-        out = np.empty_like(means), np.empty_like(covariances), np.empty_like(colours)
-        self._raster.backward(means, covariances, colours, grad, *origin, *out)
-        return out
 
     def error(
         self,

@@ -35,7 +35,7 @@ class CudaRasterizer:
         self, means: F32, covariances: F32, colours: F32, width: int, height: int, origin: tuple[int, int] = (0, 0)
     ) -> F32:
         """As in `Backend`."""
-        return self._image((means, covariances, colours), CudaView(width, height, *origin), True).download()
+        return self._image((means, covariances, colours), CudaView(width, height, *origin)).download()
 
     def draw(
         self,
@@ -49,23 +49,12 @@ class CudaRasterizer:
         planes: GpuArray | None = None,
     ) -> None:
         """As in `Backend`; `planes` [C, height, width] on the GPU stand for those of the background."""
-        image = self._image((means, covariances, colours), CudaView(out.shape[1], out.shape[0], *origin), False)
+        image = self._image((means, covariances, colours), CudaView(out.shape[1], out.shape[0], *origin))
         samples = stored_samples(image, background or nothing_behind(colours.shape[1]), mapping, out.dtype, planes)
         if out.flags.c_contiguous:
             samples.download(out)
         else:
             out[...] = samples.download()
-
-    def backward(
-        self, means: F32, covariances: F32, colours: F32, grad: F32, origin: tuple[int, int] = (0, 0)
-    ) -> Gaussians:
-        """As in `Backend`, after `forward` on the same."""
-        view = CudaView(grad.shape[2], grad.shape[1], *origin)
-        if self._drawn is None or self._drawn[0] != view or self._drawn[1].gaussians != len(means):
-            raise ValueError("backward must follow a forward pass of the same Gaussians and view")
-        slopes, (_, passes, _) = self.gpu.put(grad), self._drawn
-        passes.set(slopes=slopes.address)
-        return self._gradients(passes, "backward")
 
     def error(
         self,
@@ -87,8 +76,8 @@ class CudaRasterizer:
         squared, found = passes.errors.download().sum(axis=0).tolist()
         return Errors(found, squared), gradients
 
-    def _image(self, gaussians: Gaussians, view: CudaView, differentiates: bool) -> GpuArray:
-        passes = self._binned(gaussians, view, differentiates)
+    def _image(self, gaussians: Gaussians, view: CudaView) -> GpuArray:
+        passes = self._binned(gaussians, view, differentiates=False)
         image = self.gpu.array((passes.channels, view.height, view.width))
         passes.set(image=image.address)
         passes.over_tiles("forward")

@@ -41,12 +41,6 @@ class ReferenceRasterizer:
         values = image.transpose(1, 2, 0)
         out[...] = values if mapping is None else mapping.samples(values.astype(np.float32), out.dtype)
 
-    def backward(
-        self, means: F64, covariances: F64, colours: F64, grad: F64, origin: tuple[int, int] = (0, 0)
-    ) -> tuple[F64, F64, F64]:
-        """See `rasterize_reference_backward`."""
-        return rasterize_reference_backward(means, covariances, colours, grad, origin)
-
     def error(
         self,
         means: F64,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -40,7 +40,6 @@ class Objective:
     picture: F32
     device: Device
     weights: F32 | None = None
-    _less_base: dict[bytes, F32] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     @cached_property
     def padded_weights(self) -> F32 | None:
@@ -49,11 +48,7 @@ class Objective:
 
     def target(self, model: TileModel) -> F32:
         """The picture less a model's base layer [C, H, W]: what its seeds have to show."""
-        key = model.base_step.to_bytes(1, "little") + model.base.tobytes()
-        if key not in self._less_base:
-            self._less_base.clear()
-            self._less_base[key] = self.picture - self._base(model)
-        return self._less_base[key]
+        return self.picture - self._base(model)
 
     def _base(self, model: TileModel) -> F32:
         _, height, width = self.picture.shape

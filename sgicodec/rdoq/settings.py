@@ -20,7 +20,3 @@ class RdoqSettings:
     coarser: float = 0.3
     """Octaves by which steps grow beforehand: symbols that are searched want coarser steps than the noise that they
     were trained with."""
-    drop: float = 1.2
-    """A seed goes when that costs less squared error than so many times its price."""
-    position_bits: float = 3.0
-    """What a seed's position adds to its price, bits."""

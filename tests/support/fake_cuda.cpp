@@ -2,11 +2,6 @@
 // host. Linked as libcuda.so.1, it takes the driver's place. A launch runs its blocks one after the other; memory is
 // the host's. It checks what a driver would: handles, sizes of copies, kernels by name, launches inside captures, and
 // that what belongs to a GPU is used while that GPU is the thread's.
-//
-// SGI_FAKE_GPUS says how many GPUs there are (1), CUDA_VISIBLE_DEVICES which of them a process sees, SGI_FAKE_CONTEXTS
-// a folder that gets an empty file PROCESS-GPU for each context of a process on a GPU.
-#include <unistd.h>
-
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
@@ -57,21 +52,6 @@ struct Stream {
   Context *context = current;
 };
 
-// The numbers of the GPUs that this process sees, in its order, up to the first that is none.
-std::vector<int> visible() {
-  const char *count = std::getenv("SGI_FAKE_GPUS"), *named = std::getenv("CUDA_VISIBLE_DEVICES");
-  const int all = count ? std::atoi(count) : 1;
-  std::vector<int> seen;
-  if (!named)
-    for (int i = 0; i < all; ++i) seen.push_back(i);
-  for (char *end = nullptr; named && *named; named = *end == ',' ? end + 1 : end) {
-    const long number = std::strtol(named, &end, 10);
-    if (end == named || number < 0 || number >= all) break;
-    seen.push_back(int(number));
-  }
-  return seen;
-}
-
 std::mutex guard;                    // of what follows
 std::map<uintptr_t, size_t> memory;  // blocks by address
 size_t allocated = 0;
@@ -96,11 +76,10 @@ int cuInit(unsigned) {
 // NVRTC asks the driver for a cache of its own, and does without.
 int cuGetExportTable(const void **, const void *) { return kNotFound; }
 int cuDriverGetVersion(int *version) { return *version = 13000, kSuccess; }
-int cuDeviceGetCount(int *count) { return *count = int(visible().size()), kSuccess; }
+int cuDeviceGetCount(int *count) { return *count = 1, kSuccess; }
 int cuDeviceGet(int *device, int number) {
-  const std::vector<int> seen = visible();
-  if (!initialised || number < 0 || number >= int(seen.size())) return kInvalidValue;
-  return *device = seen[size_t(number)], kSuccess;
+  if (!initialised || number != 0) return kInvalidValue;
+  return *device = number, kSuccess;
 }
 int cuDeviceGetName(char *name, int size, int) {
   std::strncpy(name, "no GPU, but this processor", size_t(size) - 1);
@@ -115,17 +94,7 @@ int cuDeviceGetAttribute(int *value, int attribute, int) {
   const auto found = stated.find(attribute);
   return *value = found == stated.end() ? 0 : found->second, kSuccess;
 }
-int cuDeviceGetUuid_v2(char *bytes, int device) {
-  std::memset(bytes, 0, 16);
-  return bytes[15] = char(device), kSuccess;
-}
-int cuDevicePrimaryCtxRetain(Context **context, int device) {
-  if (const char *folder = std::getenv("SGI_FAKE_CONTEXTS")) {
-    const std::string name = std::to_string(getpid()) + "-" + std::to_string(device);
-    if (FILE *file = std::fopen((std::string(folder) + "/" + name).c_str(), "w")) std::fclose(file);
-  }
-  return *context = &contexts[device], kSuccess;
-}
+int cuDevicePrimaryCtxRetain(Context **context, int device) { return *context = &contexts[device], kSuccess; }
 int cuDevicePrimaryCtxRelease_v2(int) { return kSuccess; }
 int cuCtxSetCurrent(Context *context) { return current = context, kSuccess; }
 int cuMemGetInfo_v2(size_t *free, size_t *total) { return *free = *total = size_t(1) << 32, kSuccess; }

@@ -16,12 +16,12 @@ from threading import get_ident
 
 import pytest
 
-from sgicodec.cuda import compiler, sources
+from sgicodec.cuda import sources
 from sgicodec.cuda.driver import the_driver
 from sgicodec.cuda.gpu import Gpu
 from sgicodec.device import Device
 
-__all__ = ["backwards", "fake_driver", "fake_gpu", "fake_machine", "library", "only_gpu", "shared_gpu"]
+__all__ = ["backwards", "fake_driver", "fake_gpu", "library", "only_gpu", "shared_gpu"]
 
 ROOT = Path(__file__).resolve().parents[2]
 SOURCE = Path(__file__).with_suffix(".cpp")
@@ -52,23 +52,6 @@ def library() -> Path:
 def fake_driver() -> ctypes.CDLL:
     """Takes the driver's place in this process: a library of its name is there already when it is loaded."""
     return ctypes.CDLL(str(library()))
-
-
-def fake_machine(monkeypatch: pytest.MonkeyPatch, folder: Path, gpus: int) -> Path:
-    """Gives processes that are started from now on a machine with fake GPUs, and the cache of kernels in `folder` one
-    that these take. Returns the folder that gets a file PROCESS-GPU for each context of a process on a GPU.
-    """
-    pytest.importorskip("nvidia", reason="no NVRTC: pip install nvidia-cuda-nvrtc")
-    contexts = folder / "contexts"
-    contexts.mkdir()
-    monkeypatch.setattr(compiler.Compiler, "code", lambda self, architecture: b"for no machine")
-    compiler.compiled(90, 13, folder / "sgicodec" / "cuda")
-    monkeypatch.setenv("LD_LIBRARY_PATH", str(library().parent))
-    monkeypatch.setenv("XDG_CACHE_HOME", str(folder))
-    monkeypatch.setenv("SGI_FAKE_GPUS", str(gpus))
-    monkeypatch.setenv("SGI_FAKE_CONTEXTS", str(contexts))
-    monkeypatch.setenv("TMPDIR", str(folder))
-    return contexts
 
 
 def fake_gpu() -> Gpu:

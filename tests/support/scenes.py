@@ -1,5 +1,7 @@
 """Scenes for the rasteriser's tests, and what their errors are measured in."""
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -52,6 +54,12 @@ def random_scene(
 def exact(scene: Scene) -> tuple[F64, F64, F64]:
     means, covariances, colours = (array.astype(np.float64) for array in scene)
     return means, covariances, colours
+
+
+def backward(raster: Any, scene: Scene, grad: F32, origin: tuple[int, int] = (0, 0)) -> tuple[F32, ...]:
+    """Gradients from dL/dI = grad [C, H, W]: those of squared error to a target that lies grad / 2 below the image."""
+    _, height, width = grad.shape
+    return raster.error(*scene, raster.forward(*scene, width, height, origin) - grad / 2, origin=origin)[1]
 
 
 def magnitude(scene: Scene, width: int, height: int, origin: tuple[int, int] = (0, 0)) -> F64:

@@ -31,13 +31,13 @@ class Ending(NullListener):
 def passes(monkeypatch: pytest.MonkeyPatch) -> list[float]:
     """λ of each pass of RDOQ that is made."""
     made: list[float] = []
-    one_pass = rdoq._pass
+    one_pass = rdoq.descend
 
     def counted(*given: Any) -> object:
         made.append(given[3])
         return one_pass(*given)
 
-    monkeypatch.setattr(rdoq, "_pass", counted)
+    monkeypatch.setattr(rdoq, "descend", counted)
     return made
 
 

@@ -2,12 +2,11 @@
  * A decoder gives parts of a picture at any scale. There are three: streams in workers, pictures that the browser
  * reads, and pictures that a IIIF server draws. Each has
  *
- *   info: {width, height, name, kind, bytes, tileSize, hasOverview}; of streams also apron; isPlain: the GPU can draw it;
+ *   info: {width, height, name, kind, bytes, tileSize, hasOverview};
  *     pixelMetres: the side of a pixel, null where nothing says it
  *   fetched: bytes that came over the network so far
  *   isContinuous: whether it can draw between pixels, at any place and scale
  *   draw(view, priority) -> {promise of an ImageBitmap, cancel()}; view: {x, y, width, height, columns, rows}
- *   model(number, priority) -> {promise of the numbers of a tile of the file, cancel()}; streams alone have it
  *   ellipses(region, {left, top, scale, columns, rows}) -> promise of {count, total, bitmap: of the screen} or null
  *   close()
  */

@@ -10,7 +10,6 @@ export const HELP = [
   ["Difference, x", "the difference of both, amplified"],
   ["[, ]", "amplify the difference half or twice as much"],
   ["Open, o, dropping a file", "another file; two files are compared"],
-  ["auto: GPU, g", "the GPU or workers draw, or whichever can"],
   ["Theme, d", "dark or light"],
   ["?", "this help"],
 ];

@@ -1,8 +1,6 @@
 /** One picture on the screen: what is kept is drawn at once, then the view itself at its true scale and place. */
 
-import { Camera } from "./camera.js";
 import { Cells } from "./cells.js";
-import { TileModels } from "./gpu/tile_models.js";
 
 const TILE = 256;
 const FINEST = 5; // tiles are drawn up to 2^5 pixels for each of the picture's
@@ -21,55 +19,7 @@ export class Layer {
     this.tiles = new Map(); // key -> {bitmap} or {job}, the least recently used first
     this.cells = new Cells(decoder, changed, (error) => this.lost(error));
     const { width, height } = decoder.info;
-    this.models = decoder.info.isPlain ? new TileModels(decoder, changed, failed) : null;
     this.coarsest = Math.floor(Math.log2(TILE / Math.max(width, height)));
-    this.planned = null; // {plan, camera}: what the GPU draws
-    this.frame = null; // {canvas, camera, first}: the last that the GPU drew, until workers have drawn as much
-    this.still = ""; // the last view that stood still
-  }
-
-  /** What the GPU draws of a view, as of TileModels.plan; null where workers draw all of it. */
-  plan(camera, renderer) {
-    const covers = renderer && this.models && !this.models.refusal(camera);
-    this.planned = covers ? { plan: this.models.plan(camera, renderer), camera: Object.assign(new Camera(), camera) } : null;
-    return this.planned?.plan ?? null;
-  }
-
-  /** Whether what the GPU draws is a preview: workers restore it. */
-  get isPreview() {
-    return Boolean(this.planned?.plan.shown.some(({ tile }) => tile.isRestored)) && this.planned.camera.scale >= 1;
-  }
-
-  /** Keeps what the GPU drew last: columns from `first` on of a camera's view. */
-  keepFrame(canvas, camera, first) {
-    this.frame = { canvas, camera, first };
-  }
-
-  /** Draws over what the GPU draws: what there is until it has the tiles that are missing, and what workers restored. */
-  drawOver(context, camera) {
-    const { missing } = this.planned.plan;
-    this.frame = null;
-    this.forgetJobs(new Set());
-    this.ask(this.tileOf(this.coarsest, 0, 0), -1);
-    if (missing.length) this.drawMissing(context, camera, missing);
-    if (!missing.length && !this.isPreview) this.cells.forget();
-    if (this.still === camera.key) this.refine(camera);
-    this.cells.draw(context, camera);
-  }
-
-  drawMissing(context, camera, missing) {
-    context.save();
-    context.beginPath();
-    for (const { x, y, width, height } of missing) {
-      const [left, top] = camera.toScreen(x, y).map(Math.floor);
-      const [right, bottom] = camera.toScreen(x + width, y + height).map(Math.ceil);
-      context.rect(left, top, right - left, bottom - top);
-    }
-    context.clip();
-    for (const tile of this.visible(camera, this.levelOf(camera))) {
-      if (!this.drawTile(context, tile, camera)) this.drawOthers(context, tile, camera);
-    }
-    context.restore();
   }
 
   /** Draws what there is, and asks for what is missing. camera: in this picture's pixels. */
@@ -84,35 +34,20 @@ export class Layer {
       this.ask(tile, Math.hypot((left + right) / 2 - middle[0], (top + bottom) / 2 - middle[1]) / 1e4);
       this.drawOthers(context, tile, camera);
     }
-    if (this.frame) this.drawFrame(context, camera, wanted);
     for (const tile of wanted) if (this.drawTile(context, tile, camera)) this.touch(tile.key);
     this.cells.draw(context, camera);
   }
 
-  /** Draws the last frame of the GPU where the camera shows it now, while tiles are waited for. */
-  drawFrame(context, camera, wanted) {
-    if (!wanted.some(({ key }) => this.tiles.get(key)?.job)) {
-      this.frame = null;
-      return;
-    }
-    const { canvas, camera: before, first } = this.frame;
-    const [left, top] = camera.toScreen(...before.toPicture(first, 0));
-    const factor = camera.scale / before.scale;
-    context.drawImage(canvas, left, top, canvas.width * factor, canvas.height * factor);
-  }
-
-  /** Asks for the view at its true scale, unless the tiles or the GPU show it pixel by pixel. It stands still. */
+  /** Asks for the view at its true scale, unless the tiles show it pixel by pixel. It stands still. */
   refine(camera) {
-    this.still = camera.key;
     if (!this.decoder.isContinuous || this.cells.isOf(camera)) return;
-    if (this.planned ? !this.isPreview : this.isExact(camera) || this.isTooMuch(camera)) this.cells.forget();
-    else if (!this.planned || this.models.isDone) this.cells.ask(camera);
+    if (this.isExact(camera) || this.isTooMuch(camera)) this.cells.forget();
+    else this.cells.ask(camera);
   }
 
   /** Whether nothing is being drawn: the screen shows the best there is. */
   get isDone() {
     const waits = [...this.tiles.values()].some(({ job }) => job);
-    if (this.planned && !this.models.isDone) return false;
     return !waits && this.cells.isDone;
   }
 
@@ -253,13 +188,11 @@ export class Layer {
 
   close() {
     this.cells.forget();
-    this.frame = null;
     for (const { bitmap, job } of this.tiles.values()) {
       bitmap?.close();
       job?.cancel();
     }
     this.tiles.clear();
-    this.models?.forget();
     this.decoder.close();
   }
 }

@@ -2,7 +2,7 @@
 
 const NOT_THERE = 52; // ENOSYS of WASI
 const CACHE = 96 << 20; // bytes of decoded tiles that a worker keeps of each stream
-const FACTS = 16; // numbers that viewer_info writes
+const FACTS = 8; // numbers that viewer_info writes
 const MOST_ELLIPSES = 20000;
 
 /** One instance. It opens streams; their calls come one at a time. */
@@ -69,9 +69,8 @@ class Stream {
     this.info = this.call(8 * FACTS, (exports, at) => {
       exports.viewer_info(stream, at);
       const facts = new Float64Array(exports.memory.buffer, at, FACTS);
-      const [width, height, channels, tiles, tileSize, hasOverview, levels, isPlain, apron] = facts;
-      const flags = { hasOverview: Boolean(hasOverview), isPlain: Boolean(isPlain) };
-      return { width, height, channels, tiles, tileSize, levels, apron, ...flags };
+      const [width, height, channels, tiles, tileSize, hasOverview, levels] = facts;
+      return { width, height, channels, tiles, tileSize, levels, hasOverview: Boolean(hasOverview) };
     });
   }
 
@@ -105,16 +104,6 @@ class Stream {
       if (total < 0) this.library.fail();
       const count = Math.min(total, MOST_ELLIPSES);
       return { count, total, shapes: new Float32Array(exports.memory.buffer, at, 5 * count).slice() };
-    });
-  }
-
-  /** The numbers of a tile of the file, as wasm/model.cpp tells them. */
-  model(number) {
-    return this.call(4, (exports, at) => {
-      const count = exports.viewer_model(this.stream, number, at);
-      if (count < 0) this.library.fail();
-      const [first] = new Uint32Array(exports.memory.buffer, at, 1);
-      return new Float32Array(exports.memory.buffer, first, count).slice();
     });
   }
 

@@ -1,6 +1,5 @@
 /**
- * The page: files come by dropping, choosing, or ?file=URL&other=URL&draw=auto|gpu|cpu#x,y,scale; buttons and keys act
- * on the scene.
+ * The page: files come by dropping, choosing, or ?file=URL&other=URL#x,y,scale; buttons and keys act on the scene.
  */
 
 import { followAddress } from "./address.js";
@@ -8,7 +7,6 @@ import { Comparison } from "./comparison.js";
 import { openDecoder } from "./decoder.js";
 import { sentence } from "./errors.js";
 import { listen } from "./gestures.js";
-import { MODES } from "./gpu/stage.js";
 import { fillHelp } from "./help.js";
 import { Scene } from "./scene.js";
 import { StatusLine } from "./status_line.js";
@@ -21,7 +19,7 @@ const restore = followAddress(scene);
 const opened = new Map(); // "first" or "second" -> number of the last opening
 let chosenFor = "first";
 
-new StatusLine(scene, parts("canvas", "bar", "ellipses", "drawing", "scale", "bytes", "place"));
+new StatusLine(scene, parts("canvas", "bar", "ellipses", "scale", "bytes", "place"));
 listen(scene, part("canvas"), [part("divider")]);
 fillHelp(part("help"));
 globalThis.sgiViewer = { scene, open };
@@ -77,10 +75,6 @@ function toggleEllipses() {
   scene.showEllipses(shown);
 }
 
-function switchDrawing() {
-  scene.stage.choose(MODES[(MODES.indexOf(scene.stage.mode) + 1) % MODES.length]);
-}
-
 function toggleTheme() {
   const isDark = matchMedia("(prefers-color-scheme: dark)").matches;
   const now = document.documentElement.dataset.theme ?? (isDark ? "dark" : "light");
@@ -99,7 +93,6 @@ const actions = {
   compare,
   difference: () => comparison.toggleDifference(),
   open: () => choose("first"),
-  drawing: switchDrawing,
   theme: toggleTheme,
   choose: () => choose("first"),
   ask: help,
@@ -115,7 +108,6 @@ const keys = {
   "]": () => comparison.amplify(1),
   o: actions.open,
   d: toggleTheme,
-  g: switchDrawing,
   "?": help,
 };
 addEventListener("keydown", (event) => {
@@ -144,7 +136,6 @@ addEventListener("drop", async (event) => {
 scene.addEventListener("failed", ({ detail }) => say(sentence(detail)));
 
 const query = new URLSearchParams(location.search);
-scene.stage.choose(query.get("draw"));
 if (query.get("file")) {
   await open(query.get("file"));
   restore();

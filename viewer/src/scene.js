@@ -3,7 +3,6 @@
 import { Camera } from "./camera.js";
 import { drawDifference } from "./difference.js";
 import { Ellipses } from "./ellipses.js";
-import { Stage } from "./gpu/stage.js";
 import { Layer } from "./layer.js";
 
 const STILL = 120; // milliseconds without movement before the view is refined
@@ -14,15 +13,12 @@ export class Scene extends EventTarget {
     super();
     this.canvas = canvas;
     this.context = canvas.getContext("2d");
-    this.stage = new Stage(() => this.dirty());
     this.camera = new Camera();
     this.layers = [];
     this.failed = (error) => this.dispatchEvent(new CustomEvent("failed", { detail: error }));
     this.split = 0.5; // where the second picture begins, of the canvas's width
     this.difference = 0; // of both pictures, by how much it is amplified; 0: they lie side by side
     this.ellipses = null; // while they are shown
-    this.drawnBy = ""; // the streams: "GPU", "CPU" or "GPU, CPU"
-    this.why = ""; // a sentence: why the GPU does not draw all of them
     this.frame = this.timer = 0;
     this.watcher = new ResizeObserver((entries) => this.resize(entries.at(-1)));
     try {
@@ -62,7 +58,6 @@ export class Scene extends EventTarget {
 
   close() {
     this.closeLayers(0);
-    this.stage.close();
     this.watcher.disconnect();
     cancelAnimationFrame(this.frame);
     clearTimeout(this.timer);
@@ -82,7 +77,7 @@ export class Scene extends EventTarget {
 
   /** Whether the canvas shows the best there is of this view. */
   get isDone() {
-    const still = !this.frame && !this.timer && !this.stage.isComing;
+    const still = !this.frame && !this.timer;
     return still && this.layers.every((layer) => layer.isDone) && (this.ellipses?.isDone(this.camera) ?? true);
   }
 
@@ -112,7 +107,6 @@ export class Scene extends EventTarget {
   }
 
   dirty() {
-    this.asked = this.frame ? this.asked : performance.now();
     this.frame ||= requestAnimationFrame(() => this.draw());
   }
 
@@ -140,75 +134,28 @@ export class Scene extends EventTarget {
     return number ? [edge, width] : [0, edge];
   }
 
-  /** Has the GPU draw what it can. Returns the plan of each layer, null where workers draw. */
-  drawByGpu() {
-    const renderer = this.difference ? null : this.stage.renderer;
-    const before = this.layers.map(({ planned }) => planned);
-    const plans = this.layers.map((layer, number) => layer.plan(this.cameraOf(number), renderer));
-    for (const [number, plan] of plans.entries()) if (before[number] && !plan && !this.difference) this.keepFrame(number, before[number]);
-    const parts = [...plans.entries()].filter(([, plan]) => plan?.shown.length).map(([number, { shown }]) => {
-      const [first, stop] = this.columnsOf(number);
-      return { shown, camera: this.cameraOf(number), first, stop };
-    });
-    if (!parts.length) {
-      this.stage.shows = "";
-      return plans;
-    }
-    const { width, height } = this.canvas;
-    const seen = parts.map(({ shown, camera: { x, y, scale }, first, stop }) => [x, y, scale, first, stop, shown.map(({ tile }) => tile.id)]);
-    try {
-      this.stage.draw(parts, width, height, JSON.stringify([width, height, seen]));
-      this.stage.waited(performance.now() - this.asked);
-    } catch (error) {
-      this.stage.fail(error);
-      return this.drawByGpu();
-    }
-    return plans;
-  }
-
-  /** Has a layer that the GPU draws no more keep what it drew last. */
-  keepFrame(number, { camera }) {
-    const [first, stop] = this.columnsOf(number);
-    const copy = this.stage.copy(first, stop);
-    if (copy) this.layers[number].keepFrame(copy, camera, first);
-  }
-
-  /** Why the GPU does not draw all of a stream, as a sentence; empty where it does. */
-  whyOf({ decoder, models, planned, isPreview }, camera) {
-    if (decoder.info.kind !== "stream") return "";
-    if (this.difference) return "Workers draw the difference.";
-    if (!models) return "Workers draw: the picture has alpha, nodata, exact samples, or 8 bits of another range.";
-    if (!planned) return this.stage.refusal || `Workers draw: ${models.refusal(camera)}.`;
-    if (isPreview) return "The GPU draws a preview: workers restore the picture.";
-    return planned.plan.missing.length ? "Workers draw until the GPU has all tiles of the file that are seen." : "";
-  }
-
   draw() {
     this.frame = 0;
     const { context, canvas } = this;
-    const plans = this.drawByGpu();
     context.setTransform(1, 0, 0, 1, 0, 0);
     context.clearRect(0, 0, canvas.width, canvas.height);
-    if (this.stage.shows) context.drawImage(this.stage.canvas, 0, 0);
     context.imageSmoothingEnabled = true;
     context.imageSmoothingQuality = "low"; // tiles have at most twice the screen's pixels; more costs frames
     if (this.difference) this.drawBoth();
-    else for (const [number, plan] of plans.entries()) this.drawLayer(number, plan);
-    this.say(plans);
+    else for (const number of this.layers.keys()) this.drawLayer(number);
     this.ellipses?.draw(context, this.camera);
     this.dispatchEvent(new Event("drawn"));
   }
 
-  /** Draws a layer in its columns, over what the GPU drew of it. */
-  drawLayer(number, plan) {
+  /** Draws a layer in its columns. */
+  drawLayer(number) {
     const { context, canvas } = this;
     const [start, stop] = this.columnsOf(number);
     context.save();
     context.beginPath();
     context.rect(start, 0, stop - start, canvas.height);
     context.clip();
-    if (plan) this.layers[number].drawOver(context, this.cameraOf(number));
-    else this.layers[number].draw(context, this.cameraOf(number));
+    this.layers[number].draw(context, this.cameraOf(number));
     context.restore();
   }
 
@@ -225,17 +172,6 @@ export class Scene extends EventTarget {
   showDifference(factor) {
     this.difference = factor;
     this.moved();
-  }
-
-  /** Notes which of both draws the streams, and why. */
-  say(plans) {
-    const streams = [...this.layers.entries()].filter(([, { decoder }]) => decoder.info.kind === "stream");
-    const kinds = streams.flatMap(([number, layer]) => {
-      const plan = plans[number];
-      return [...(plan ? ["GPU"] : []), ...(plan?.missing.length === 0 && !layer.isPreview ? [] : ["CPU"])];
-    });
-    this.drawnBy = [...new Set(kinds)].sort().reverse().join(", ") || "CPU";
-    this.why = streams.map(([number, layer]) => this.whyOf(layer, this.cameraOf(number))).find(Boolean) ?? "";
   }
 
   /** Shows the ellipses of Gaussians, or shows them no more. */

@@ -1,4 +1,4 @@
-/** The line below the picture and the scale bar on it: place, scale, bytes, what draws. */
+/** The line below the picture and the scale bar on it: place, scale, bytes. */
 
 import { megabytes } from "./bytes.js";
 import { scaleBar } from "./scale_bar.js";
@@ -6,7 +6,7 @@ import { scaleBar } from "./scale_bar.js";
 const BAR = 160; // CSS pixels that the scale bar takes at most
 
 export class StatusLine {
-  /** parts: the elements canvas, bar, ellipses, drawing, scale, bytes, place. */
+  /** parts: the elements canvas, bar, ellipses, scale, bytes, place. */
   constructor(scene, parts) {
     Object.assign(this, { scene, parts });
     const show = () => scene.decoder && this.show();
@@ -20,7 +20,6 @@ export class StatusLine {
     parts.ellipses.textContent = scene.ellipses?.total === null ? "Ellipses: zoom in" : "Ellipses";
     parts.scale.textContent = scale >= 1 ? `${round(scale)}×` : `1/${round(1 / scale)}`;
     this.showBar();
-    this.showDrawing();
     this.showBytes();
   }
 
@@ -31,14 +30,6 @@ export class StatusLine {
     bar.hidden = false;
     bar.style.width = `${pixels}px`;
     bar.textContent = text;
-  }
-
-  /** Which of both draws and why; in the open, where it is not the one that was chosen. */
-  showDrawing() {
-    const { stage, drawnBy, why } = this.scene;
-    const instead = stage.mode === "gpu" && drawnBy === "CPU" && why ? " instead of GPU" : "";
-    this.parts.drawing.textContent = `${stage.mode === "auto" ? "auto: " : ""}${drawnBy}${instead}`;
-    this.parts.drawing.title = `${why || "The GPU draws."} Drawn by the GPU or in workers (g)`;
   }
 
   showBytes() {

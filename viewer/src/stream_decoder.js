@@ -36,13 +36,6 @@ export class StreamDecoder {
     return this.file.run("draw", view, priority, this.lane(view));
   }
 
-  /** What a tile of the file draws (gpu/tile.js). */
-  model(number, priority) {
-    const { width, tileSize } = this.info;
-    const across = tileSize ? Math.ceil(width / tileSize) : 1;
-    return this.file.run("model", { number }, priority, (number % across) + 2 * Math.floor(number / across));
-  }
-
   /** A picture of a region's ellipses on the screen; null where it has too many tiles to decode for it. */
   async ellipses(region, place) {
     const { tiles, tileSize } = this.info;

@@ -57,10 +57,6 @@ class OpenStream {
     return { bitmap: outlines(found, place), count: found.count, total: found.total };
   }
 
-  model({ number }) {
-    return this.stream.model(number);
-  }
-
   close() {
     this.stream.close();
   }

@@ -1,7 +1,6 @@
-/** Prints what the viewer takes on this machine: node test/measure.js [FILE.sgi [gpu [FRAMES [WIDTHxHEIGHT]]]].
+/** Prints what the viewer takes on this machine: node test/measure.js [FILE.sgi [FRAMES [WIDTHxHEIGHT]]].
  *
- * The file is by default one of 151 megapixels, which workers draw. Where Chromium emulates the GPU, frames of "gpu" say
- * nothing about one; what the main thread takes for each does.
+ * The file is by default one of 151 megapixels.
  */
 
 import { execFileSync } from "node:child_process";
@@ -15,12 +14,11 @@ import { longTasks, moved, openTimed } from "./speed.js";
 
 const folder = mkdtempSync(join(tmpdir(), "sgi-measure-"));
 const file = process.argv[2] || join(folder, "mosaic.sgi");
-const draw = process.argv[3] ?? "cpu";
-const [width, height] = (process.argv[5] ?? "1280x800").split("x").map(Number);
+const [width, height] = (process.argv[4] ?? "1280x800").split("x").map(Number);
 if (!process.argv[2]) execFileSync(PYTHON, [join(ROOT, "viewer/test/mosaic.py"), file]);
 const server = await serve({ "/files/": dirname(file), "/": join(ROOT, "viewer/src") });
 const browser = await launch();
-const address = `${server.address}/?draw=${draw}&file=/files/${basename(file)}`;
+const address = `${server.address}/?file=/files/${basename(file)}`;
 const { page, first, all } = await openTimed(browser, address, { viewport: { width, height } });
 const size = statSync(file).size;
 const bytes = server.sent.get(`/files/${basename(file)}`);
@@ -29,8 +27,8 @@ console.log(`bytes of the first view: ${bytes} of ${size} (${((100 * bytes) / si
 
 const moves = { "pan at 1:1": [1, 1, 6], "zoom 1/8 to 8": [1 / 8, 1.035, 0], "pan at 16:1": [16, 1, 6] };
 for (const [name, move] of Object.entries(moves)) {
-  const { rate, gaps, took, by } = await moved(page, move, Number(process.argv[4] ?? 120));
-  console.log(`${name}, drawn by ${by}: ${took[took.length >> 1].toFixed(1)} ms of the main thread for each frame`);
+  const { rate, gaps, took } = await moved(page, move, Number(process.argv[3] ?? 120));
+  console.log(`${name}: ${took[took.length >> 1].toFixed(1)} ms of the main thread for each frame`);
   console.log(`${name}: ${rate.toFixed(0)} frames a second, slowest frame ${gaps.at(-1).toFixed(0)} ms, 95 % within ${gaps[Math.floor(0.95 * gaps.length)].toFixed(0)} ms`);
 }
 const long = await longTasks(page);

@@ -90,7 +90,6 @@ test("x shows the difference, amplified by a factor that is shown", async () => 
     assert.ok(farthest(found, expected) <= factor, `${farthest(found, expected)} levels at ${factor}`); // the stream: a level
     assert.ok(found.some((value, at) => at % 4 < 3 && value > 10 * 8));
   }
-  assert.match(await page.getAttribute("#drawing", "title"), /^Workers draw the difference\./);
   assert.equal(await page.isVisible("#divider"), false);
   await page.click("#difference");
   await settled(page);

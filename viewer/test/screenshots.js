@@ -26,13 +26,13 @@ const show = (page, region) => page.evaluate((box) => sgiViewer.scene.move((came
 
 await picture("large", `file=/large/${basename(large)}`, "dark");
 await picture("slide", `file=/slide/${basename(slide)}`, "light");
-await picture("ellipses", `draw=gpu&file=/seeds/${basename(seeds)}`, "light", async (page) => {
+await picture("ellipses", `file=/seeds/${basename(seeds)}`, "light", async (page) => {
   await show(page, { x: 132, y: 218, width: 60, height: 36 });
   await settled(page);
   await page.click("#ellipses");
   await page.mouse.move(500, 300);
 });
-await picture("compare", `draw=gpu&file=/photo/${basename(photo)}&other=/original/${basename(original)}`, "dark", (page) =>
+await picture("compare", `file=/photo/${basename(photo)}&other=/original/${basename(original)}`, "dark", (page) =>
   show(page, { x: 430, y: 90, width: 240, height: 146 }),
 );
 await browser.close();

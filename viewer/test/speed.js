@@ -25,7 +25,7 @@ export const longTasks = (page) => page.evaluate(() => globalThis.long);
 
 /**
  * Moves the view frame by frame, from a scale on in the middle third: by pixels of the screen, or by a factor. Returns
- * {rate: frames a second, gaps: between frames, took: of the main thread for each, by: what draws}, in milliseconds.
+ * {rate: frames a second, gaps: between frames, took: of the main thread for each}, in milliseconds.
  */
 export async function moved(page, [start, zoom, pan], frames) {
   await page.evaluate((scale) => {
@@ -34,7 +34,7 @@ export async function moved(page, [start, zoom, pan], frames) {
     scene.move((camera) => camera.show({ x: camera.width / 3, y: camera.height / 3, width: side(camera.columns), height: side(camera.rows) }));
   }, start);
   await settled(page);
-  const { times, took, by } = await page.evaluate(
+  const { times, took } = await page.evaluate(
     ([factor, step, count]) =>
       new Promise((resolve) => {
         const { scene } = sgiViewer;
@@ -50,7 +50,7 @@ export async function moved(page, [start, zoom, pan], frames) {
           times.push(now);
           if (times.length > count) {
             delete scene.draw;
-            return resolve({ times, took, by: scene.drawnBy });
+            return resolve({ times, took });
           }
           scene.move((camera) => (step ? camera.pan(-step, -step / 2) : camera.zoom(factor)));
           requestAnimationFrame(tick);
@@ -60,5 +60,5 @@ export async function moved(page, [start, zoom, pan], frames) {
     [zoom, pan, frames],
   );
   const gaps = times.slice(1).map((time, at) => time - times[at]).sort((a, b) => a - b);
-  return { rate: (1000 * gaps.length) / (times.at(-1) - times[0]), gaps, took: took.sort((a, b) => a - b), by };
+  return { rate: (1000 * gaps.length) / (times.at(-1) - times[0]), gaps, took: took.sort((a, b) => a - b) };
 }

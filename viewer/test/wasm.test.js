@@ -64,24 +64,6 @@ for (const build of ["sgi", "sgi-scalar"]) {
     }
   });
 
-  test(`${build}: the model of a tile`, () => {
-    for (const name of ["rgb8", "rgb8-texture", "rgb8-restored", "gray16", "multi8", "float"]) {
-      const { stream, info } = opened(module, readFileSync(join(GOLDEN, `${name}.sgi`)));
-      assert.ok(info.isPlain);
-      const numbers = stream.model(0);
-      const [x, y, width, height, gaussians, side, columns, rows, cells, lines, atoms, restored] = numbers;
-      assert.deepEqual([x, y, width, height], [0, 0, info.width, info.height]);
-      assert.equal(gaussians, stream.ellipses({ x: -1e4, y: -1e4, width: 2e4, height: 2e4 }).total, name);
-      assert.deepEqual([columns, rows], [Math.ceil(width / side), Math.ceil(height / side)]);
-      assert.equal(numbers.length, 16 + 8 * gaussians + 4 * columns * rows + 8 * cells + 4 * lines + 4 * atoms);
-      assert.equal(atoms > 0, name === "rgb8-texture" || name === "rgb8-restored");
-      assert.equal(restored, Number(name === "rgb8-restored"));
-    }
-    for (const name of ["rgba8", "gray8-alpha", "multi16-bands", "float-tiles-exact"]) {
-      assert.equal(opened(module, readFileSync(join(GOLDEN, `${name}.sgi`))).info.isPlain, false);
-    }
-  });
-
   test(`${build}: errors are the library's`, () => {
     const bytes = readFileSync(join(GOLDEN, "rgb8.sgi"));
     assert.throws(() => opened(module, Buffer.from("no stream at all")), /signature|stream/);

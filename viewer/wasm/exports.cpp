@@ -3,12 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
 #include <memory>
+#include <new>
+#include <string>
 #include <vector>
 
 #include "base/error.hpp"
 #include "decoder/stream.hpp"
-#include "guarded.hpp"
 
 // Reads into the memory at `out`: how many bytes, or -1. JavaScript keeps the reason.
 extern "C" int32_t viewer_read(double offset, uint8_t *out, uint32_t count)
@@ -17,6 +19,21 @@ extern "C" int32_t viewer_read(double offset, uint8_t *out, uint32_t count)
 namespace {
 
 using namespace sgi;
+
+std::string last_error;
+
+// Runs body(): what it returns, or `failed` with the error's text kept, since nothing may throw into JavaScript.
+template <class Result, class Body>
+Result guarded(Result failed, Body body) {
+  try {
+    return body();
+  } catch (const std::bad_alloc &) {
+    last_error = "there is not enough memory for this";
+  } catch (const std::exception &error) {
+    last_error = error.what();
+  }
+  return failed;
+}
 
 class PageSource : public ByteSource {
  public:
@@ -42,15 +59,6 @@ void to_rgba(const uint8_t *samples, int channels, ChannelLayout layout, int64_t
     rgba[2] = samples[is_gray ? 0 : 2];
     rgba[3] = alpha < 0 ? 255 : samples[alpha];
   }
-}
-
-// Whether a sum of the model's parts, clipped, is what is shown.
-bool is_plain(const Header &header) {
-  const auto is = [](const std::vector<double> &all, double value) {
-    return std::all_of(all.begin(), all.end(), [&](double one) { return one == value; });
-  };
-  const bool is_whole = header.sample_type != SampleType::u8 || (is(header.low, 0) && is(header.high, 255));
-  return is_whole && header.alpha() < 0 && header.masked == Masked::none && !header.has_exact;
 }
 
 // Which core of an axis a pixel lies in.
@@ -87,8 +95,7 @@ EMSCRIPTEN_KEEPALIVE Stream *viewer_open(double size, double cache_bytes) {
 
 EMSCRIPTEN_KEEPALIVE void viewer_close(Stream *stream) { delete stream; }
 
-// Width, height, channels, tiles, largest side of a tile, whether there is an overview, levels, whether all pixels hold
-// something, are opaque, have values that eight bits show as they are, and come from tiles, the apron of tiles.
+// Width, height, channels, tiles, largest side of a tile, whether there is an overview, levels.
 EMSCRIPTEN_KEEPALIVE void viewer_info(Stream *stream, double *facts) {
   const Header &header = stream->header();
   const double found[] = {double(header.width),
@@ -97,9 +104,7 @@ EMSCRIPTEN_KEEPALIVE void viewer_info(Stream *stream, double *facts) {
                           double(header.grid().count()),
                           double(header.tile),
                           double(stream->has_overview()),
-                          double(levels_of(header.width, header.height).size()),
-                          double(is_plain(header) && !stream->has_exact_views()),
-                          double(header.apron)};
+                          double(levels_of(header.width, header.height).size())};
   std::copy(std::begin(found), std::end(found), facts);
 }
 

@@ -3,7 +3,7 @@
 prepare      samples, the base layer, and what it leaves to seeds and texture
 share        a short fit says where texture is cheaper than seeds
 fit          seeds by gradient descent; in its course some are handed over to texture
-rdoq         symbols of least error plus λ times bits, and pruning
+rdoq         symbols of least error plus λ times bits
 requantise   towards least squared error: seeds once more, for what texture leaves
 texture      cosines for what seeds leave, and restoration of what both show
 """

@@ -36,8 +36,6 @@ class EncodedTile:
     seeds: int
     squared_error: float
     """Of what is decoded, in the tile's core, samples in 0..1."""
-    distortion: float
-    """What λ trades for bytes, of the same: squared error with weights."""
     samples: int
     """How many samples the core has, 0 where they are not measured."""
     seconds: float
@@ -88,13 +86,12 @@ def _encoded(
         parts["mask"] = len(payload) - len(coded or b"")
     known, size = (payload, parts, seeds), len(payload)
     if tile.is_only:
-        return EncodedTile(*known, math.nan, math.nan, 0, 0.0, size, lmbda, header=header)
+        return EncodedTile(*known, math.nan, 0, 0.0, size, lmbda, header=header)
     shown = _decoded(_stream(tile, tile.header, _chunk(tile, tile.header, 0, coded)), tile)
-    core, weights = _core(tile), tile.weights
+    core = _core(tile)
     ours, theirs = (replace(picture, pixels=picture.pixels[core]) for picture in (tile.picture, shown))
     error = squared_error(ours, theirs)
-    distortion = error if weights is None else squared_error(ours, theirs, weights[core])
-    return EncodedTile(*known, error, distortion, ours.pixels.size, 0.0, size, lmbda)
+    return EncodedTile(*known, error, ours.pixels.size, 0.0, size, lmbda)
 
 
 def measured(encoded: EncodedTile, tile: Tile, target: RateTarget) -> Measured:

@@ -1,4 +1,4 @@
-"""Passes over the tiles of a picture: fits of some, then of the others, then corrections, until the target is met."""
+"""Passes over the tiles of a picture: fits of some, then of the others, then texture again until the target is met."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import tempfile
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import BinaryIO
+from typing import BinaryIO, Literal
 
 from sgicodec.bitstream.stream_writer import stream_length, write_stream
 from sgicodec.encoder.plan import Plan
@@ -18,15 +18,16 @@ from sgicodec.encoder.tiles.store import Store, Version
 from sgicodec.encoder.tiles.tasks import FitTask, LookaheadTask, SearchTask, Task
 from sgicodec.metrics.distortion import decibels
 from sgicodec.model.steps import quality_index
-from sgicodec.rate_control.allocation import allocate
+from sgicodec.rate_control.step_search import OCTAVES_PER_UNIT, step_shift
 from sgicodec.rate_control.target import LMBDA_MIN, Measured, RateTarget
-from sgicodec.rate_control.tile_passes import MAX_FITS, MAX_SAMPLES, is_far, kept_near, next_correction, tiles_of_pass
-from sgicodec.rate_control.tile_rd_model import Bound, TileRdModel
+from sgicodec.rate_control.tile_rd_model import TileRdModel, is_far, spread_over
 
 __all__ = ["Finished", "TilePasses"]
 
-MAX_CORRECTIONS, MAX_MEASURES = 4, 2
-"""Passes after the fits; measurements of a PSNR in each."""
+MAX_SAMPLE_TILES, MAX_SAMPLES, MAX_FITS = 8, 3, 2
+"""Tiles that are fitted first, how often, and how often all tiles are."""
+AIM_BYTES, AIM_ERROR = 0.985, 0.995
+"""Part of the bytes, or of the squared error, at which fits aim."""
 UNKNOWN_PAYLOAD_BYTES = 1 << 20
 """Of a payload that is not known yet, where there is room for any: what its frame takes hardly depends on it."""
 
@@ -70,8 +71,7 @@ class TilePasses:
         self.samples = header.width * header.height * header.spec.channels
         self.target = plan.settings.rate_target(header.width * header.height) if header.tile else None
         """What the tiles go to together; the only one goes to it by itself."""
-        self.error_ratio = 1.0
-        """The picture's squared error over that of the tiles' cores: cross-fades make it smaller."""
+        self.passes = 0
 
     def run(self) -> Finished:
         """All passes. Raises TileFailedError; the store then has what was finished."""
@@ -86,16 +86,30 @@ class TilePasses:
         return Finished(plan, [Version(number) for number in self.all], last.lmbda, last.missed, self.overview)
 
     def _at_target(self, target: RateTarget) -> Finished:
-        """Fits whose λ follows from the sizes of those before, then corrections."""
-        lmbda, index, samples, fits = self._lmbda(target, 0, self.all, 0.0), 0, 1, 0
+        """Fits whose λ follows from the sizes of those before, then passes that search texture again, at a λ that moves
+        until all tiles together meet the target.
+        """
+        lmbda = self._lmbda(target)
         self._make_overview(lmbda)
-        while True:
-            plan = self.plan.at(lmbda, quality_index(lmbda))
-            base, index, wanted = self._fitted(target, plan, lmbda, index, samples < MAX_SAMPLES)
-            samples, fits = samples + 1, fits + (len(base) == len(self.all))
-            if fits == MAX_FITS or (fits and not is_far(wanted, lmbda)):
-                return self._corrected(target, plan, base, index)
+        for _ in range(MAX_FITS):
+            plan, fits, lmbda = self._fitted(target, lmbda)
+            wanted = self._learned(target, fits, lmbda)
+            if not is_far(wanted, lmbda):
+                break
             lmbda = wanted
+        passes = [(fits, self._measured(target, plan, fits))]
+        shifts = [0.0]
+
+        def measure(shift: float) -> Measured:
+            if shift != 0.0:
+                chosen = self._searched(plan, fits, 2.0 ** (-OCTAVES_PER_UNIT * shift))
+                passes.append((chosen, self._measured(target, plan, chosen)))
+                shifts.append(shift)
+            return passes[shifts.index(shift)][1]
+
+        chosen, measured = passes[shifts.index(step_shift(target, measure))]
+        missed = target.miss_message(measured) if target.is_missed(measured) else None
+        return Finished(plan, chosen, self.store.tiles[fits[-1]].lmbda, missed, self.overview)
 
     def _make_overview(self, lmbda: float) -> None:
         draw = self.draw_small
@@ -108,35 +122,53 @@ class TilePasses:
 
         self.overview = self.store.cached("overview", made)
 
-    def _fitted(
-        self, target: RateTarget, plan: Plan, lmbda: float, index: int, may_stop: bool
-    ) -> tuple[dict[int, Version], int, float]:
-        """Fits of all tiles, some first, whose results move the λ of the others; stops where λ turns out to be far off.
-
-        Returns the codings, the number of the next pass, and the λ that all tiles would want.
+    def _fitted(self, target: RateTarget, lmbda: float) -> tuple[Plan, list[Version], float]:
+        """Fits of some tiles, again where they show λ to be far off, then of the others at the λ that follows, which is
+        returned, too.
         """
-        chosen: dict[int, Version] = {}
-        at = wanted = lmbda
-        while len(chosen) < len(self.all):
-            numbers = tiles_of_pass(self.rd_model.predict(self.all, lmbda), chosen)
-            self._pass("sample" if not chosen else "tiles", index, FitTask(plan.at(at, plan.header.quality)), numbers)
-            chosen |= {number: Version(number, index) for number in numbers}
-            index += 1
-            tiles = {number: self.store.tiles[version] for number, version in chosen.items()}
-            bound = self._bound(target)
-            self.rd_model.learn(bound, tiles, lmbda)
-            wanted = self._lmbda(target, 2 * index - 1, self.all, 0.0)
-            if may_stop and is_far(wanted, lmbda):
+        some = spread_over(self.rd_model.predict(lmbda), min(MAX_SAMPLE_TILES, max(2, len(self.all) // 4)))
+        for _ in range(MAX_SAMPLES):
+            plan, sample = self.plan.at(lmbda, quality_index(lmbda)), self._new_pass()
+            self._pass("sample", sample, FitTask(plan), some)
+            wanted, at = self._learned(target, [Version(number, sample) for number in some], lmbda), lmbda
+            if not is_far(wanted, lmbda):
+                at = wanted
                 break
-            rest = [number for number in self.all if number not in chosen]
-            if rest:
-                at = kept_near(self._lmbda(target, 2 * index, rest, sum(map(bound.of, tiles.values()))), lmbda)
-        return chosen, index, wanted
+            lmbda = wanted
+        rest, others = [number for number in self.all if number not in some], self._new_pass()
+        if rest:
+            self._pass("tiles", others, FitTask(plan.at(at, plan.header.quality)), rest)
+        return plan, [Version(number, sample if number in some else others) for number in self.all], at
 
-    def _lmbda(self, target: RateTarget, number: int, tiles: Sequence[int], done: float) -> float:
-        """λ that takes these tiles to the target, kept under a number."""
-        aim = self._bound(target).aim
-        return self.store.cached(f"lmbda {number}", lambda: self.rd_model.lmbda(aim, tiles, done))
+    def _learned(self, target: RateTarget, chosen: list[Version], lmbda: float) -> float:
+        """The λ that the target wants, by what these tiles have at this one."""
+        tiles = [self.store.tiles[version] for version in chosen]
+        found = sum(tile.squared_error if target.bytes is None else tile.length for tile in tiles)
+        self.rd_model.learn([version.tile for version in chosen], lmbda, found)
+        return self._lmbda(target)
+
+    def _searched(self, plan: Plan, fits: list[Version], factor: float) -> list[Version]:
+        """All tiles with texture for `factor` times the λ of their fits."""
+        index = self._new_pass()
+        by_lmbda: dict[float, list[int]] = {}
+        for version in fits:
+            by_lmbda.setdefault(self.store.tiles[version].lmbda, []).append(version.tile)
+        for lmbda, numbers in by_lmbda.items():
+            task = SearchTask(plan.at(max(factor * lmbda, LMBDA_MIN), plan.header.quality))
+            self._pass("search", index, task, numbers, lambda number: self.store.payload(fits[number]))
+        return [Version(number, index) for number in self.all]
+
+    def _lmbda(self, target: RateTarget) -> float:
+        """λ that takes all tiles to the target, kept for each pass."""
+
+        def found() -> float:
+            if target.bytes is None:
+                return self.rd_model.lmbda(AIM_ERROR * self.samples * 10 ** (-0.1 * (target.psnr or 0.0)))
+            lengths = [min(UNKNOWN_PAYLOAD_BYTES, round(target.bytes / len(self.all)))] * len(self.all)
+            side_bytes = self._length(self.plan, lengths) - sum(lengths)
+            return self.rd_model.lmbda(AIM_BYTES * max(1.0, target.bytes - side_bytes))
+
+        return self.store.cached(f"lmbda {self.passes}", found)
 
     @cached_property
     def rd_model(self) -> TileRdModel:
@@ -146,91 +178,26 @@ class TilePasses:
         for number, table in self.runner(LookaheadTask(self.plan), self.all):
             tables[number] = table
             self.reporter.done(number, None)
-        what = "bytes" if self.target is None else self._bound(self.target).what
+        what: Literal["bytes", "error"] = "error" if self.target and self.target.bytes is None else "bytes"
         return TileRdModel([tables[number] for number in self.all], what)
 
-    def _bound(self, target: RateTarget, lengths: Sequence[int] | None = None) -> Bound:
-        """What the target leaves to the tiles; `lengths`: of their payloads, where they are known."""
-        side_bytes = 0
+    def _measured(self, target: RateTarget, plan: Plan, chosen: list[Version]) -> Measured:
+        """What the stream of these codings is."""
+        length = self._length(plan, [self.store.tiles[version].length for version in chosen])
         if target.bytes is not None:
-            if lengths is None:
-                lengths = [min(UNKNOWN_PAYLOAD_BYTES, round(target.bytes / len(self.all)))] * len(self.all)
-            side_bytes = self._length(self.plan, lengths) - sum(lengths)
-        return Bound.of_target(target, side_bytes, self.samples, self.error_ratio)
-
-    def _corrected(self, target: RateTarget, plan: Plan, base: dict[int, Version], index: int) -> Finished:
-        """Corrections of the fits until an allocation of codings meets the target."""
-        versions = {number: [base[number]] for number in self.all}
-        tried: list[tuple[float, float]] = []
-        moved: dict[int, tuple[float, float]] = {}  # by how many octaves a tile was corrected last, and what it took
-        for count in range(MAX_CORRECTIONS + 1):
-            chosen, measured = self._allocation(target, plan, versions)
-            if target.is_met(measured) or count == MAX_CORRECTIONS:
-                break
-            bound = self._bound(target)
-            fits = {number: bound.of(self.store.tiles[base[number]]) for number in self.all}
-            coarser = bound.error(sum(fits.values())) > 0
-            left = bound.error(sum(bound.of(self.store.tiles[version]) for version in chosen))
-            fresh = [number for number in self.all if len(versions[number]) == 1]
-            octaves, numbers = next_correction(coarser, left, fits, fresh, tried)
-            if not self._correct(plan, base, octaves, numbers, index):
-                break
-            results = {number: bound.of(self.store.tiles[Version(number, index)]) for number in numbers}
-            moved |= {number: (octaves, taken) for number, taken in results.items()}
-            change = sum(results.values()) / max(sum(fits[number] for number in numbers), 1e-9)
-            like = {number: taken for number, (by, taken) in moved.items() if by == octaves}
-            all_ = sum(like.get(number, change * fits[number]) for number in self.all)
-            tried.append((octaves, bound.error(all_)))
-            for number in numbers:
-                versions[number].append(Version(number, index))
-            index += 1
-        missed = target.miss_message(measured) if target.is_missed(measured) else None
-        return Finished(plan, chosen, self.store.tiles[base[self.all[-1]]].lmbda, missed, self.overview)
-
-    def _correct(self, plan: Plan, base: dict[int, Version], octaves: float, numbers: list[int], index: int) -> bool:
-        """A pass that moves the λ of some tiles by `octaves`, one part for each λ of the fits; False where λ
-        cannot move.
-        """
-        by_lmbda: dict[float, list[int]] = {}
-        for number in numbers:
-            by_lmbda.setdefault(self.store.tiles[base[number]].lmbda, []).append(number)
-        for lmbda, some in by_lmbda.items():
-            moved = lmbda * 2.0**octaves
-            if moved < 0.999 * LMBDA_MIN:
-                return False
-            task = SearchTask(plan.at(moved, plan.header.quality))
-            self._pass("search", index, task, some, lambda number: self.store.payload(base[number]))
-        return bool(numbers)
-
-    def _allocation(
-        self, target: RateTarget, plan: Plan, versions: dict[int, list[Version]]
-    ) -> tuple[list[Version], Measured]:
-        """The best allocation of codings, and what its stream is."""
-        for _ in range(MAX_MEASURES):
-            chosen = self._allocated(target, versions)
-            tiles = [self.store.tiles[version] for version in chosen]
-            length = self._length(plan, [tile.length for tile in tiles])
-            if self._bound(target).what == "bytes":
-                return chosen, Measured(length, math.inf)
-            with tempfile.TemporaryFile() as file:
-                write_stream(file, plan.header, plan.software, plan.metadata, map(self.store.payload, chosen))
-                file.seek(0)
-                error = self.error_of(file)
-            self.error_ratio = error / max(sum(tile.squared_error for tile in tiles), 1e-12) or 1.0
-            measured = Measured(length, decibels(error, self.samples))
-            if target.is_met(measured) or all(len(some) == 1 for some in versions.values()):
-                break
-        return chosen, measured
-
-    def _allocated(self, target: RateTarget, versions: dict[int, list[Version]]) -> list[Version]:
-        lengths = [max(self.store.tiles[version].length for version in versions[number]) for number in self.all]
-        bound = self._bound(target, lengths)
-        options = [[bound.option(self.store.tiles[version]) for version in versions[number]] for number in self.all]
-        chosen = allocate(options, bound.limit)
-        return [versions[number][index] for number, index in zip(self.all, chosen, strict=True)]
+            return Measured(length, math.inf)
+        with tempfile.TemporaryFile() as file:
+            write_stream(file, plan.header, plan.software, plan.metadata, map(self.store.payload, chosen))
+            file.seek(0)
+            return Measured(length, decibels(self.error_of(file), self.samples))
 
     def _length(self, plan: Plan, lengths: Sequence[int]) -> int:
         return stream_length(plan.header, plan.software, plan.metadata, lengths, self.overview)
+
+    def _new_pass(self) -> int:
+        """The number of the pass that comes."""
+        self.passes += 1
+        return self.passes - 1
 
     def _pass(
         self,

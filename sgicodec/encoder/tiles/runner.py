@@ -80,7 +80,7 @@ class TileTask(Generic[Result]):
         """What the task makes of the tile. Raises PictureError where its pixels cannot be read."""
         window = job.pixels if isinstance(job.pixels, Picture) else job.pixels.window(number)
         with one_blas_thread():
-            return self.task(number, window, job.start, self.device.of_tile(number))
+            return self.task(number, window, job.start, self.device.found())
 
 
 @dataclass(frozen=True)

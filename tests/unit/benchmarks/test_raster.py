@@ -29,4 +29,4 @@ def test_the_command_prints_a_table(monkeypatch: pytest.MonkeyPatch) -> None:
     assert result.exit_code == 0, result.output
     lines = result.output.splitlines()
     assert lines[0].startswith("portable, 1 thread,")
-    assert [line.count("|") for line in lines[2:]] == [11] * 4
+    assert [line.count("|") for line in lines[2:]] == [10] * 4

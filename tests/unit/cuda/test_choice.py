@@ -12,18 +12,17 @@ from sgicodec.errors import MissingExtraError, NoDeviceError
 
 @pytest.fixture
 def _two_gpus(monkeypatch: pytest.MonkeyPatch) -> None:
-    def usable(number: int) -> int:
+    def usable(number: int) -> None:
         if number > 1:
             raise NoDeviceError(f"no GPU {number}: this machine has 2")
-        return 2
 
-    monkeypatch.setattr(choice, "_usable", usable)
+    monkeypatch.setattr(choice, "_check_usable", usable)
 
 
 @pytest.mark.usefixtures("_two_gpus")
 def test_names() -> None:
     assert device_of("cpu", 3) == Device(3)
-    assert device_of("auto", 3) == device_of("cuda", 3) == Device(3, gpu=0, gpus=2)
+    assert device_of("auto", 3) == device_of("cuda", 3) == Device(3, gpu=0)
     assert device_of("cuda:0", 3) == Device(3, gpu=0)
     assert device_of("cuda:1") == Device(gpu=1)
     with pytest.raises(NoDeviceError, match="no GPU 2"):
@@ -35,10 +34,10 @@ def test_names() -> None:
 
 @pytest.mark.parametrize("error", [NoDeviceError("no driver"), MissingExtraError("no NVRTC"), MemoryError("full")])
 def test_auto_takes_the_processor_where_cuda_says_why_not(error: Exception, monkeypatch: pytest.MonkeyPatch) -> None:
-    def usable(number: int) -> int:
+    def usable(number: int) -> None:
         raise error
 
-    monkeypatch.setattr(choice, "_usable", usable)
+    monkeypatch.setattr(choice, "_check_usable", usable)
     assert device_of("auto", 2) == Device(2)
     with pytest.raises(type(error), match=str(error)):
         device_of("cuda")

@@ -10,8 +10,6 @@ import numpy as np
 import openslide
 import pytest
 import tifffile
-from click.testing import Result
-from command import sgi
 from PIL import Image
 
 import sgicodec
@@ -19,7 +17,6 @@ from sgicodec.errors import MissingExtraError, PictureError
 from sgicodec.image.slide_reader import is_slide
 from sgicodec.metadata.georeference import resolution
 from sgicodec.metadata.tiff import DESCRIPTION, described
-from sgicodec.plugins.openslide import Slide
 
 WIDTH, HEIGHT = 700, 300
 
@@ -61,23 +58,6 @@ def test_windows(slide: Path) -> None:
     with sgicodec.open_source(slide) as source:
         for x, y, width, height in ((0, 0, 700, 20), (500, 250, 200, 50), (255, 17, 2, 280)):
             np.testing.assert_array_equal(source.read(x, y, width, height).pixels, whole[y : y + height, x : x + width])
-
-
-def test_label_and_macro_as_files(slide: Path, tmp_path: Path) -> None:
-    def encode(*options: object) -> Result:
-        return sgi("encode", slide, tmp_path / "b.sgi", "--steps", 1, "--quiet", "--associated", *options)
-
-    assert encode("--no-verify").exit_code == 0
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["b.label.png", "b.macro.png", "b.sgi"]
-    assert (sgicodec.read(tmp_path / "b.label.png").pixels == 90).all()
-    assert Slide(tmp_path / "b.sgi").associated_images["macro"].getpixel((5, 5)) == (120, 120, 120, 255)
-    (tmp_path / "b.sgi").unlink()
-    again = encode("--no-verify")
-    assert (again.exit_code, "b.label.png exists" in again.output) == (6, True)
-    assert not (tmp_path / "b.sgi").exists()
-    no_slide = sgi("encode", tmp_path / "b.label.png", "--associated")
-    text = "it is no slide that OpenSlide reads; --associated takes the label and the macro of slides"
-    assert (no_slide.exit_code, text in no_slide.output) == (3, True)
 
 
 class Scan(SimpleNamespace):

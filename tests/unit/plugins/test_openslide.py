@@ -6,8 +6,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from data_files import GOLDEN
-from PIL import Image
 
 import sgicodec
 from sgicodec.errors import UsageError
@@ -36,18 +34,6 @@ def test_levels_and_regions(pyramid: Path) -> None:
         assert slide.properties["openslide.vendor"] == "sgicodec"
         assert "openslide.mpp-x" not in slide.properties
         assert dict(slide.associated_images) == {}
-
-
-def test_files_beside_the_stream_are_associated(tmp_path: Path) -> None:
-    (tmp_path / "a [1].sgi").write_bytes((GOLDEN / "rgb8.sgi").read_bytes())
-    for name in ("a [1].label.png", "a [1].macro.png", "a 1.label.png", "a [1].png", "a [1].macro.jpg"):
-        Image.new("RGB", (5, 4), "red").save(tmp_path / name)
-    images = Slide(tmp_path / "a [1].sgi").associated_images
-    assert {name: (image.mode, image.size) for name, image in images.items()} == {
-        "label": ("RGBA", (5, 4)),
-        "macro": ("RGBA", (5, 4)),
-    }
-    assert dict(Slide((GOLDEN / "rgb8.sgi").read_bytes()).associated_images) == {}
 
 
 @pytest.mark.parametrize("level", [0, 1])

@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 from scenes import (
     ISAS,
     Scene,
+    backward,
     covariances_of,
     exact,
     gradient_magnitude,
@@ -51,7 +52,7 @@ def check(scene: Scene, width: int, height: int, origin: tuple[int, int], backen
     assert np.all(error <= FORWARD * (magnitude(scene, width, height, origin) + 0.02))
 
     grad = np.random.default_rng(seed).normal(size=image.shape).astype(np.float32)
-    gradients = raster.backward(*scene, grad, origin)
+    gradients = backward(raster, scene, grad, origin)
     expected = rasterize_reference_backward(*exact(scene), grad.astype(np.float64), origin)
     error = np.abs(whitened(scene, gradients) - whitened(scene, expected))
     assert np.all(error <= BACKWARD * (gradient_magnitude(scene, grad, origin) + 0.1))
@@ -111,7 +112,7 @@ def test_nothing_to_draw(backend: str) -> None:
         raster = raster_of(backend, 3.5)
         assert not raster.forward(*scene, 20, 10).any()
         assert backend == "cuda" or raster.tile_pairs == 0
-        gradients = raster.backward(*scene, np.ones((3, 10, 20), np.float32))
+        gradients = backward(raster, scene, np.ones((3, 10, 20), np.float32))
         assert [g.shape for g in gradients] == [array.shape for array in scene]
         assert not any(g.any() for g in gradients)
         assert raster.error(*scene, np.ones((3, 10, 20), np.float32), weight=0.5)[0].loss == 300.0
@@ -192,7 +193,7 @@ def test_what_is_no_gaussian_does_no_harm(backend: str) -> None:
     raster, alone = raster_of(backend, 3.5), raster_of(backend, 3.5)
     np.testing.assert_array_equal(raster.forward(*mixed, 40, 30), alone.forward(*good, 40, 30))
     grad = np.ones((3, 30, 40), np.float32)
-    for gradient, expected in zip(raster.backward(*mixed, grad), alone.backward(*good, grad), strict=True):
+    for gradient, expected in zip(backward(raster, mixed, grad), backward(alone, good, grad), strict=True):
         np.testing.assert_array_equal(gradient[kept], expected)
         assert not np.delete(gradient, kept, axis=0).any()
 
@@ -216,7 +217,7 @@ def test_any_numbers_end_in_finite_images_and_gradients(
     raster = NativeRasterizer(Device(1, isa))
     image = raster.forward(means, covariances, colours, 20, 20, origin)
     assert np.all((image >= 0) & (image <= len(rows) + 1e-3))
-    for gradient in raster.backward(means, covariances, colours, np.ones((1, 20, 20), np.float32), origin):
+    for gradient in backward(raster, (means, covariances, colours), np.ones((1, 20, 20), np.float32), origin):
         assert np.isfinite(gradient).all()
 
 
