@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from sgicodec.bench.options import numbers, variant
+from sgicodec.bench.options import numbers, place, variant
 from sgicodec.errors import OutputExistsError, SgiError, StreamError, TargetMissedError, UsageError, require
 from sgicodec.metadata.layouts import range_text
 from sgicodec.remote.url import is_url, open_url
@@ -20,13 +20,15 @@ if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
 
+    from sgicodec.bench.cache import PeerCache
     from sgicodec.bench.codec import Codec
     from sgicodec.picture import Picture
 
 __all__ = ["bench", "compare"]
 
 _PEERS = ("jpeg", "jpegli", "jpeg2000", "webp", "jxl", "avif-iq", "avif", "avif-s2", "vvenc")
-_CODECS = ("sgi", *_PEERS)
+_PUBLISHED = ("coolchic5",)
+_CODECS = ("sgi", *_PEERS, *_PUBLISHED)
 _FILE = click.Path(path_type=Path)
 
 
@@ -38,6 +40,11 @@ _FILE = click.Path(path_type=Path)
 @click.option("--sgi", "variants", multiple=True, metavar="NAME=OPTIONS", help="A curve with options of sgi encode.")
 @click.option("--threads", default=1, show_default=True, type=click.IntRange(1), help="Threads of each codec.")
 @click.option("--out", default="bench-out", show_default=True, type=_FILE, help="Folder for the results.")
+@click.option("--cache", "cache_folder", type=_FILE, help="Folder that keeps what peers code for other runs.")
+@click.option("--sheets", type=_FILE, metavar="FOLDER", help="Draw details by all codecs at equal bytes as PNG files.")
+@click.option("--sheet-rates", default="0.25,0.5,0.8", show_default=True, help="Bits per pixel of these sheets.")
+@click.option("--sheet-place", "sheet_places", multiple=True, metavar="X,Y", help="Show this place, repeatable.")
+@click.option("--curves/--no-curves", default=True, show_default=True, help="Measure curves; without, only --sheets.")
 @click.option("--plots/--no-plots", default=True, show_default=True, help="Draw the curves as PNG files.")
 @click.option("--json", "as_json", is_flag=True, help="Print the summary as JSON instead of tables.")
 def bench(
@@ -48,6 +55,11 @@ def bench(
     variants: tuple[str, ...],
     threads: int,
     out: Path,
+    cache_folder: Path | None,
+    sheets: Path | None,
+    sheet_rates: str,
+    sheet_places: tuple[str, ...],
+    curves: bool,
     plots: bool,
     as_json: bool,
 ) -> None:
@@ -56,29 +68,56 @@ def bench(
     Every codec gets the pictures as 8-bit RGB. Results are added to OUT/results.tsv as they come; points
     that it already holds are not measured again. OUT/summary.json holds what follows from this run's points.
     A point that a codec fails on is reported, does not stop the run, and makes the command end with status 1.
+
+    With --sheets every picture has a sheet for each rate: its busiest place, and that where the codecs differ
+    most, or those of --sheet-place, by every codec in the same number of bytes.
     """
-    for library in ("scipy", "matplotlib") if plots else ("scipy",):
+    for library in ("scipy", "matplotlib") if plots and curves else ("scipy",):
         require(library, "sgi bench", "bench")
+    from sgicodec.bench.cache import PeerCache
     from sgicodec.bench.run import find_pictures
 
     wanted = _wanted(codecs)
+    rates = [] if sheets is None else numbers(sheet_rates, "--sheet-rates")
+    shown = [place(text, "--sheet-place") for text in sheet_places]
     chosen = _choose_codecs(wanted, codecs is not None, threads)
     if "sgi" in wanted:
         chosen = [*_sgi_curves(qualities, efforts, variants, threads), *chosen]
     if remote := [name for name in places if is_url(name)]:
         raise UsageError(f"{remote[0]}: sgi bench measures files, not URLs; fetch it first")
     pictures = find_pictures([Path(name) for name in places])
-    _measure_curves(pictures, chosen, out, plots, as_json)
+    cache = None if cache_folder is None else PeerCache(cache_folder)
+    if sheets is not None:
+        from sgicodec.bench.sheets import write_sheets
+
+        write_sheets(pictures, chosen, rates, sheets, places=shown, cache=cache, report=_report)
+    if curves:
+        published = [name for name in wanted if name in _PUBLISHED]
+        _measure_curves(pictures, chosen, published, cache, out, plots, as_json)
 
 
-def _measure_curves(pictures: list[Path], codecs: list[Codec], out: Path, plots: bool, as_json: bool) -> None:
+def _report(line: str) -> None:
+    click.echo(line, err=True)
+
+
+def _measure_curves(
+    pictures: list[Path],
+    codecs: list[Codec],
+    published: list[str],
+    cache: PeerCache | None,
+    out: Path,
+    plots: bool,
+    as_json: bool,
+) -> None:
     from rich.console import Console
 
     from sgicodec.bench.plots import write_plots
+    from sgicodec.bench.published import PUBLISHED
     from sgicodec.bench.run import run_bench
     from sgicodec.bench.tables import print_summary
 
-    summary = run_bench(pictures, codecs, out, report=lambda line: click.echo(line, err=True))
+    drawn = [PUBLISHED[name] for name in published]
+    summary = run_bench(pictures, codecs, out, published=drawn, cache=cache, report=_report)
     text = json.dumps(summary.to_json(), indent=2)
     (out / "summary.json").write_text(text + "\n", "utf-8")
     if plots:

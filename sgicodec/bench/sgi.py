@@ -63,9 +63,16 @@ class SgiCodec:
 
     def round_trip(self, pixels: Pixels8, quality: float) -> RoundTrip:
         """Write a PNG, encode and decode by command, read the PNG. Raises SgiError if a command fails."""
+        point = ladder_of(self.options).options(quality, pixels.shape[0] * pixels.shape[1])
+        return self._trip(pixels, point)
+
+    def of_size(self, pixels: Pixels8, size: int) -> RoundTrip:
+        """The same towards a size in bytes, which the stream does not exceed. Raises SgiError if a command fails."""
+        return self._trip(pixels, ("--size", str(size)))
+
+    def _trip(self, pixels: Pixels8, target: tuple[str, ...]) -> RoundTrip:
         from PIL import Image
 
-        target = ladder_of(self.options).options(quality, pixels.shape[0] * pixels.shape[1])
         with tempfile.TemporaryDirectory(prefix="sgi-bench-") as folder:
             source, stream, result = (Path(folder, name) for name in ("in.png", "out.sgi", "rec.png"))
             Image.fromarray(pixels).save(source, compress_level=1)

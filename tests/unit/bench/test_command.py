@@ -75,6 +75,7 @@ def test_bench_leaves_out_aloud_what_is_missing(tmp_path: Path, monkeypatch: pyt
         "avif",
         "avif-s2",
     ]
+    assert [curves.name for curves in seen["published"]] == ["coolchic5"]
     asked = call(bench, tmp_path / "p.png", "--codecs", "jpeg,jxl")
     assert isinstance(asked.exception, UsageError)
     assert "pip install 'sgicodec[bench]'" in str(asked.exception)
@@ -103,6 +104,7 @@ def test_bench_ends_with_an_error_if_a_point_failed(tmp_path: Path) -> None:
         (["--codecs", "jpeg,bpg"], "no codec is called 'bpg'"),
         (["--qualities", "20,high"], "--qualities takes numbers"),
         (["--efforts", "max"], "--efforts takes numbers"),
+        (["--sheets", "s", "--sheet-rates", "low"], "--sheet-rates takes numbers"),
         (["--sgi", "--tile 64"], "--sgi takes NAME=OPTIONS"),
         (["--sgi", "fine='"], "--sgi: No closing quotation"),
     ],

@@ -9,7 +9,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from sgicodec.bench.cache import PeerCache
 from sgicodec.bench.codec import Pixels8, RoundTrip
+from sgicodec.bench.peers import Jpeg
+from sgicodec.bench.published import PUBLISHED
 from sgicodec.bench.rows import Results
 from sgicodec.bench.run import find_pictures, run_bench
 from sgicodec.errors import SgiError
@@ -91,3 +94,30 @@ def test_a_failing_point_does_not_end_the_run(pictures: list[Path], tmp_path: Pa
     mended = Shifter()
     assert run_bench(pictures, [mended], tmp_path).failures == []
     assert [quality for _, quality in mended.coded] == [2, 2]
+
+
+def test_peers_are_coded_once_for_all_folders(
+    pictures: list[Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    cache, jpeg, shifter = tmp_path / "cache", Jpeg(ladder=(30, 60)), Shifter()
+    first = run_bench(pictures, [shifter, jpeg], tmp_path / "one", cache=PeerCache(cache))
+    monkeypatch.setattr(Jpeg, "encode", lambda self, pixels, quality: 1 / 0)
+    lines: list[str] = []
+    second = run_bench(pictures, [shifter, jpeg], tmp_path / "two", cache=PeerCache(cache), report=lines.append)
+    assert all("2 points measured, 2 already there" in line for line in lines)
+    assert second.rows == first.rows
+    assert len(shifter.coded) == 8  # sgi and other codecs of one's own are coded again
+    assert Results(tmp_path / "two" / "results.tsv").rows == Results(tmp_path / "one" / "results.tsv").rows
+    assert {row.codec for row in Results(cache / "results.tsv").rows.values()} == {"jpeg"}
+
+
+def test_published_curves_stand_beside_the_measured_ones(tmp_path: Path) -> None:
+    kodak = Path(__file__).parents[2] / "data" / "kodim23.png"
+    Image.fromarray(np.zeros((20, 30, 3), np.uint8)).save(tmp_path / "other.png")
+    published = list(PUBLISHED.values())
+    summary = run_bench([kodak], [Jpeg(ladder=(30, 90))], tmp_path / "out", published=published)
+    assert summary.codecs == ["jpeg", "coolchic5"]
+    ((delta,),) = (c.rates.values() for c in summary.comparisons if c.test == "coolchic5")
+    assert -90 < delta.value < -40
+    assert {row.codec for row in Results(tmp_path / "out" / "results.tsv").rows.values()} == {"jpeg"}
+    assert run_bench([tmp_path / "other.png"], [Shifter()], tmp_path / "out", published=published).codecs == ["shifter"]

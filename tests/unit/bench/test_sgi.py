@@ -69,3 +69,10 @@ def test_peak_memory_is_the_command_s_and_not_the_benchmark_s(tmp_path: Path) ->
     assert ballast.nbytes == 300 << 20
     assert 0 < small < 150
     assert 300 < big < 500
+
+
+def test_a_size_is_a_target_of_the_command(tmp_path: Path) -> None:
+    SgiCodec(command=stand_in(tmp_path)).of_size(picture(), 1234)
+    encode = json.loads((tmp_path / "fake.log").read_text().splitlines()[0])
+    assert encode[3:5] == ["--size", "1234"]
+    assert "-q" not in encode

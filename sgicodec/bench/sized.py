@@ -1,0 +1,82 @@
+"""Pictures coded into a given number of bytes, by any codec of the benchmark."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Protocol, runtime_checkable
+
+from sgicodec.bench.cache import PeerCache
+from sgicodec.bench.codec import Codec, Pixels8, RoundTrip
+from sgicodec.bench.peer import Peer
+from sgicodec.bench.run import Sample
+from sgicodec.errors import SgiError, UsageError
+
+__all__ = ["TOLERANCE", "Sized", "best_within", "coded_to_size"]
+
+TOLERANCE = 1.02
+"""How many times the bytes asked for a peer may take, since its qualities come in steps."""
+
+
+@runtime_checkable
+class _MeetsSizes(Protocol):
+    def of_size(self, pixels: Pixels8, size: int) -> RoundTrip: ...
+
+
+@dataclass(frozen=True)
+class Sized:
+    """A picture in about as many bytes as asked for, or `pixels` None and why there is none in `note`."""
+
+    codec: str
+    bytes: int
+    pixels: Pixels8 | None
+    note: str = ""
+
+
+def coded_to_size(codec: Codec, sample: Sample, size: int, cache: PeerCache | None = None) -> Sized:
+    """The best that a codec makes of a picture in `size` bytes: its own target, or a search over a peer's qualities.
+
+    Raises UsageError for a codec that has neither.
+    """
+    if isinstance(codec, _MeetsSizes):
+        try:
+            trip = codec.of_size(sample.pixels, size)
+        except SgiError as error:
+            return Sized(codec.name, 0, None, str(error))
+        return Sized(codec.name, len(trip.data), trip.pixels)
+    if not isinstance(codec, Peer):
+        raise UsageError(f"{codec.name} cannot be asked for a size")
+    return _peer_to_size(codec, sample, size, cache)
+
+
+def _peer_to_size(peer: Peer, sample: Sample, size: int, cache: PeerCache | None) -> Sized:
+    @functools.cache
+    def stream(quality: float) -> bytes:
+        key = (peer.name, peer.version(), peer.settings(quality), sample.name, sample.crc)
+        encode = functools.partial(peer.encode, sample.pixels, quality)
+        return encode() if cache is None else cache.stream(key, encode)
+
+    try:
+        best = best_within(peer.scale, lambda quality: len(stream(quality)), TOLERANCE * size)
+        if best is None:
+            least = len(stream(peer.scale[0]))
+            return Sized(peer.name, least, None, f"needs {least:,} bytes")
+        return Sized(peer.name, len(stream(best)), peer.decode(stream(best)))
+    except (OSError, ValueError, RuntimeError) as error:
+        return Sized(peer.name, 0, None, str(error))
+
+
+def best_within(qualities: Sequence[float], size_of: Callable[[float], int], limit: float) -> float | None:
+    """The last of the qualities, which stand by rising size, that stays within the limit; None if the first does not.
+
+    By bisection: sizes that fall back in places may hide a later one.
+    """
+    low, high = -1, len(qualities)  # the first is within, the second is not
+    while high - low > 1:
+        middle = (low + high) // 2
+        if size_of(qualities[middle]) <= limit:
+            low = middle
+        else:
+            high = middle
+    return qualities[low] if low >= 0 else None
