@@ -1,8 +1,7 @@
 """RDOQ, rate-distortion optimised quantisation: symbols of least error plus λ times bits, as they will be coded.
 
 A fit rounds every attribute by itself. Here each seed's symbols move one step at a time where the picture as rendered,
-all other seeds in it, and the bits as coded say that it pays; the base layer's follow; seeds that do not pay are
-pruned. docs/notes/2026-11-rdoq.md, reports what each part gains.
+all other seeds in it, and the bits as coded say that it pays. docs/notes/2026-11-rdoq.md reports what each part gains.
 """
 
 from sgicodec.rdoq.objective import Objective, can_optimise
