@@ -81,6 +81,7 @@ def pictures() -> dict[str, tuple[Picture, EncodeSettings]]:
         "gray16-restored": (Picture(leaves[..., None], "gray", (0.0, 65535.0)), restored_psnr),
         "rgba8-tiles-restored": (crop_with_alpha, replace(restored, quality=50, tile=100, overview=True)),
         "multi16-bands": (bare_bands(small), textured),
+        "gray16-tiles-nodata": (hole_in_twelve_bits(dark), replace(restored_psnr, tile=48, overview=True)),
         "float-tiles-exact": (bare_floats(small[:48, :64]), replace(luma, tile=32, overview=True)),
         "rgb8-tiles-lossless": (crop, replace(textured, quality=40, tile=100, overview=True, max_error=0)),
         "rgba8-near": (Picture(alpha, "rgba", (0.0, 255.0)), replace(quick, max_error=2)),
@@ -128,6 +129,15 @@ def bare_bands(photo: np.ndarray) -> Picture:
     return Picture(
         pixels, "multi", ((100.0, 100.0, 100.0, 0.0), (900.0, 1400.0, 1900.0, 11000.0)), blank=0.0, exact=True
     )
+
+
+def hole_in_twelve_bits(photo: np.ndarray) -> Picture:
+    """Twelve bits in sixteen with nodata in the middle of the range: a hole over several tiles, and single pixels."""
+    pixels = photo >> 4
+    y, x = np.mgrid[: pixels.shape[0], : pixels.shape[1]]
+    pixels[pixels == 2000] = 2001
+    pixels[(y - 40) ** 2 + (x - 52) ** 2 < 24**2] = pixels[::17, ::13] = 2000
+    return Picture(np.ascontiguousarray(pixels[..., None]), "gray", (0.0, 4095.0), blank=2000.0)
 
 
 def bare_floats(photo: np.ndarray, curved: bool = False) -> Picture:
