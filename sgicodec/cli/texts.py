@@ -1,4 +1,4 @@
-"""What the help of the group and the manual page say, examples and exit codes; what others say of too little memory."""
+"""What the help of the group says, examples and exit codes; what others say of too little memory."""
 
 from __future__ import annotations
 

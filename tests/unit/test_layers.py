@@ -43,6 +43,7 @@ HOMES = {
     "pycvvdp": ("sgicodec/metrics/perceptual.py",),
     "PIL": (
         "sgicodec/image/avif_reader.py",
+        "sgicodec/image/jpeg2000_reader.py",
         "sgicodec/image/pillow_reader.py",
         "sgicodec/image/conversion.py",
         "sgicodec/image/slide_reader.py",

@@ -25,7 +25,7 @@ from sgicodec.version import __version__
 def test_help_lists_commands_and_exit_codes() -> None:
     result = sgi("--help")
     assert result.exit_code == 0
-    for name in ("encode", "decode", "info", "verify", "compare", "bench", "completion", "man"):
+    for name in ("encode", "decode", "info", "verify", "compare", "bench", "completion"):
         assert f"\n  {name} " in result.stdout
     codes = [line.split()[0] for line in result.stdout.split("Exit codes:\n")[1].splitlines()]
     assert codes == ["0", "1", "2", "3", "4", "5", "6", "130", "141"]
@@ -39,7 +39,7 @@ def test_version() -> None:
         assert lines[0] == f"sgi {__version__}"
         assert f"numpy {np.__version__}" in lines[2]
         assert {"pillow", "OpenImageIO"} <= set(lines[2].replace(",", "").split())
-        assert {"fsspec", "zarr", "rasterio", "pillow-heif"} <= set(lines[3].replace(",", "").split())
+        assert {"fsspec", "zarr", "tifffile", "pillow-heif"} <= set(lines[3].replace(",", "").split())
         assert "pytest" not in lines[3]
         assert re.search(r"^instruction set (portable|avx2|avx512), \d+ threads$", lines[4])
         assert lines[5] == f"reads format version {FORMAT_VERSION}"
@@ -91,18 +91,6 @@ def test_completion(shell: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.
             cli([])
         answers[words] = capsys.readouterr().out.split()
     assert list(answers.values()) == [["plain,encode"], ["plain,--overview"], ["file,pho"], ["plain,visual"]]
-
-
-def test_manual_page() -> None:
-    page = sgi("man").stdout
-    assert page.startswith('.TH SGI 1 ""')
-    assert re.findall(r"^\.SH (.*)$", page, re.MULTILINE) == [
-        *("NAME", "SYNOPSIS", "DESCRIPTION", "COMMANDS", "EXIT STATUS", "EXAMPLES")
-    ]
-    assert re.findall(r"^\.SS sgi (\w+) ", page, re.MULTILINE) == cli.list_commands(click.Context(cli))
-    for option in ("\\-\\-region X,Y,W,H", "\\-q, \\-\\-quality 1\\-100", "\\-\\-survey", "\\-\\-fail\\-under DB"):
-        assert f"\\fB{option}\\fR" in page
-    assert all(line.startswith(".") or not line.startswith("'") for line in page.splitlines())
 
 
 @pytest.mark.parametrize(
