@@ -68,7 +68,7 @@ def check_viewing(folder: str, page: Path) -> None:
                 sys.exit("sgi view gives another stream")
         finally:
             server.send_signal(signal.SIGINT)
-    if server.returncode or not {"index.html", "renderer.js"} <= {file.name for file in files}:
+    if server.returncode or not {"index.html", "page.js"} <= {file.name for file in files}:
         sys.exit(f"sgi view: exit code {server.returncode}, {len(files)} files")
     decoders = sum(file.suffix == ".wasm" for file in files)
     print(f"sgi view gives {len(files)} files of its page, {decoders} decoders among them", flush=True)
