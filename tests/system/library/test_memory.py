@@ -66,7 +66,7 @@ def test_decoded_tiles_take_no_more_than_the_cache(built: Path, tmp_path: Path) 
 def test_a_tile_that_may_need_too_much_is_not_decoded(built: Path, tmp_path: Path) -> None:
     noise = np.random.default_rng(1).integers(0, 256, (1024, 1024, 3), np.uint8)
     path = tmp_path / "a.sgi"
-    path.write_bytes(sgicodec.encode(noise, quality=60, steps=2, tile=0, rdoq=False))
+    path.write_bytes(sgicodec.encode(noise, quality=75, steps=2, tile=0, rdoq=False))
     accepted, grown = drawn(path, built, 1024)
     refused, little = drawn(path, built, 1024, tile_bytes=MIB)
     assert (accepted, refused) == ("", "limit")
