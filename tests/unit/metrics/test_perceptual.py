@@ -1,7 +1,4 @@
-"""Perceptual scores, and what happens without the programs that compute them.
-
-tests/unit/benchmarks/test_scores.py holds SSIMULACRA 2 against its published scale.
-"""
+"""Perceptual scores, and what happens without the programs that compute them."""
 
 from __future__ import annotations
 
