@@ -49,8 +49,8 @@ class TilePasses:
     """Encodes the tiles of a plan, each at first by `task`. A pass follows from the results of earlier passes alone, so
     that workers, order and interruptions do not matter.
 
-    error_of: squared error of a stream over the whole picture, samples in 0..1. draw_small:
-    makes the overview of a stream whose tiles are fitted at this λ, if it is to have one.
+    error_of: squared error of a stream over the whole picture, samples in 0..1. draw_small: makes the overview of a
+    stream whose tiles are fitted at this λ, if it is to have one.
     """
 
     def __init__(
@@ -97,17 +97,15 @@ class TilePasses:
             if not is_far(wanted, lmbda):
                 break
             lmbda = wanted
-        passes = [(fits, self._measured(target, plan, fits))]
-        shifts = [0.0]
+        tried = {0.0: (fits, self._measured(target, plan, fits))}
 
         def measure(shift: float) -> Measured:
-            if shift != 0.0:
+            if shift not in tried:
                 chosen = self._searched(plan, fits, 2.0 ** (-OCTAVES_PER_UNIT * shift))
-                passes.append((chosen, self._measured(target, plan, chosen)))
-                shifts.append(shift)
-            return passes[shifts.index(shift)][1]
+                tried[shift] = chosen, self._measured(target, plan, chosen)
+            return tried[shift][1]
 
-        chosen, measured = passes[shifts.index(step_shift(target, measure))]
+        chosen, measured = tried[step_shift(target, measure)]
         missed = target.miss_message(measured) if target.is_missed(measured) else None
         return Finished(plan, chosen, self.store.tiles[fits[-1]].lmbda, missed, self.overview)
 
