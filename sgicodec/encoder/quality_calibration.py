@@ -26,7 +26,7 @@ __all__ = ["CalibratedSteps", "log_gradients", "quality_offset", "with_quality_c
 
 F64 = NDArray[np.float64]
 
-_PLANES = {"luma": np.array([0.25, 0.625, 0.125], np.float32), "green": np.array([-0.5, 1.0, -0.5], np.float32)}
+_PLANES = {"luma": np.array([0.25, 0.625, 0.125]), "green": np.array([-0.5, 1.0, -0.5])}
 _FEATURES = (("luma", 0, 5.7, -5.56), ("luma", 2, -5.2, -5.09), ("green", 2, 2.2, -7.56), ("green", 4, -1.5, -7.37))
 """Plane, octave, steps of quality for a unit of the mean log gradient, and what that is in the mean of pictures."""
 _MAX_OFFSET = 10.0

@@ -84,13 +84,12 @@ class Trainer:
     ) -> None:
         _, height, width = target.shape
         most = max_level(width, height)
-        settings = replace(
-            settings, phases=tuple(replace(phase, level=min(phase.level, most)) for phase in settings.phases)
-        )
+        phases = tuple(replace(phase, level=min(phase.level, most)) for phase in settings.phases)
+        settings = replace(settings, phases=phases)
         self.spec, self.settings, self.weights = spec, settings, weights
-        self.schedule = Schedule(settings.phases)
+        self.schedule = Schedule(phases)
         self.raster = NativeRasterizer(device)
-        self.levels = levels_of(target, weights, max(phase.level for phase in settings.phases) + 1)
+        self.levels = levels_of(target, weights, max(phase.level for phase in phases) + 1)
         self.quality = quality_index(settings.lmbda) if settings.quality is None else settings.quality
         rng = np.random.default_rng(settings.seed)
         self.seeds = SeedSet(spec, layout, target, rng, device)

@@ -65,16 +65,10 @@ class IntNetwork:
             self.predicted,
         )
 
-    def biased(self, outputs: slice, more: int | I64) -> IntNetwork:
-        """This network with some of its outputs raised by `more` · 2^-DIFFERENCE_SHIFT: base steps for means, octaves
-        for scales and refinements.
-        """
-        b2 = np.zeros_like(self.b2)
-        b2[outputs] = more
-        return self.plus(np.zeros_like(self.b1), np.zeros_like(self.w2), b2)
-
     def coarser(self, octaves: float) -> IntNetwork:
         """This network with every refinement r of the steps raised by so many octaves, in units of
         2^-DIFFERENCE_SHIFT.
         """
-        return self.biased(slice(2 * self.predicted, None), round(octaves * 2**DIFFERENCE_SHIFT))
+        b2 = np.zeros_like(self.b2)
+        b2[2 * self.predicted :] = round(octaves * 2**DIFFERENCE_SHIFT)
+        return self.plus(np.zeros_like(self.b1), np.zeros_like(self.w2), b2)
