@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import math
 import shutil
 import tempfile
 from collections import Counter
@@ -10,7 +11,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, BinaryIO
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 from sgicodec.bitstream.stream_writer import write_stream
 from sgicodec.decoder.stream import open_stream
@@ -33,7 +34,10 @@ from sgicodec.executors.executor import Executor
 from sgicodec.files.lock import locked
 from sgicodec.files.whole import whole_file
 from sgicodec.metrics.distortion import decibels, squared_error
-from sgicodec.picture import Picture
+from sgicodec.metrics.visual_score import visual_score
+from sgicodec.picture import Picture, to_rgb8
+from sgicodec.rate_control.step_search import step_shift
+from sgicodec.rate_control.target import TARGETS, Measured, RateTarget
 
 if TYPE_CHECKING:
     from sgicodec.image.source import Source
@@ -110,9 +114,10 @@ def encode_picture(
     windows, plan = without_needless_alpha(windows, plan, listener)
     where = Path(output) if isinstance(output, str) else output
     with locked(where) if isinstance(where, Path) else nullcontext():
-        below, plan, layer = with_graphics(windows, plan)
-        plan = with_quality_calibration(below, plan)
-        request = _Request(windows, below, plan, layer, where, listener, device, verify)
+        request = _request(windows, plan, where, listener, device, verify)
+        settings = plan.settings
+        if settings.target is not None and settings.max_error is None and _at_quality(request, _FIRST_QUALITY).layer:
+            return _at_target(request, executor)
         return _encoded(request, executor, store)
 
 
@@ -153,6 +158,20 @@ class _Request:
         header = self.plan.header
         return decibels(self.error(stream), header.width * header.height * header.spec.channels)
 
+    def measured(self, stream: bytes, target: RateTarget) -> Measured:
+        """What a finished stream is; of its PSNR and score, only what is asked for."""
+        header = self.plan.header
+        if target.psnr is not None:
+            return Measured(
+                len(stream), decibels(self.error(stream), header.width * header.height * header.spec.channels)
+            )
+        if target.score is not None:
+            with open_stream(stream, self.device.processor) as opened:
+                shown = to_rgb8(opened.picture())
+            seen = to_rgb8(self.windows.read(0, 0, header.width, header.height))
+            return Measured(len(stream), math.inf, visual_score(seen, shown, self.device.processor))
+        return Measured(len(stream), math.inf)
+
     def write(self, to: Callable[[BinaryIO], int]) -> tuple[bytes, int, float | None]:
         """Has a stream written to the output, a path's whole or not at all; returns its data if there is none, its
         length, and its PSNR if it is to be verified, which it is before anybody else sees it.
@@ -176,6 +195,15 @@ class _Request:
             file.seek(0)
             shutil.copyfileobj(file, output)
             return b"", size, psnr
+
+
+def _request(
+    windows: Windows, plan: Plan, output: Path | BinaryIO | None, listener: NullListener, device: Device, verify: bool
+) -> _Request:
+    """One whose text and line art, where that is worth its bytes, is coded apart."""
+    below, plan, layer = with_graphics(windows, plan)
+    plan = with_quality_calibration(below, plan)
+    return _Request(windows, below, plan, layer, output, listener, device, verify)
 
 
 @contextmanager
@@ -216,6 +244,41 @@ def _encoded(request: _Request, executor: Executor | None = None, store: Store |
     if finished.missed is not None:
         raise TargetMissedError(finished.missed, encoded)
     return encoded
+
+
+_FIRST_QUALITY, _STEPS_OF_SHIFT = 60.0, 0.5
+"""Of the streams that `_at_target` tries: the first, and steps of quality for a unit of the shift."""
+
+
+def _at_target(request: _Request, executor: Executor | None) -> Encoded:
+    """The nearest of whole streams at one quality after another: what a residual layer shows of a picture, none of its
+    tiles can measure. Raises TargetMissedError with it.
+    """
+    plan, tried = request.plan, dict[float, tuple[Encoded, Measured]]()
+    target = plan.settings.rate_target(plan.header.width * plan.header.height)
+    assert target is not None
+
+    def measure(shift: float) -> Measured:
+        quality = min(max(_FIRST_QUALITY - _STEPS_OF_SHIFT * shift, 1.0), 100.0)
+        encoded = _encoded(_at_quality(request, quality), executor)
+        tried[shift] = encoded, request.measured(encoded.data, target)
+        return tried[shift][1]
+
+    found, measured = tried[step_shift(target, measure)]
+    data, size, psnr = request.write(lambda file: file.write(found.data))
+    encoded = replace(found, data=data, written=size, psnr=psnr)
+    if target.is_missed(measured):
+        raise TargetMissedError(target.miss_message(measured), encoded)
+    return encoded
+
+
+def _at_quality(request: _Request, quality: float) -> _Request:
+    """The same without a target, for a stream in memory that tells of it nevertheless."""
+    settings, windows = request.plan.settings, request.windows
+    none: dict[str, Any] = dict.fromkeys(TARGETS)
+    plan = stream_plan(windows.shape, replace(settings, **none, quality=quality, tune=settings.tuned_for))
+    plan = replace(plan, software=request.plan.software)
+    return _request(windows, plan, None, request.listener, request.device, False)
 
 
 def _residual(request: _Request, finished: Finished, store: Store) -> bytes | None:

@@ -27,6 +27,8 @@ from sgicodec.encoder.input.windows import windows_of
 from sgicodec.encoder.residual import Layer, residual_layer
 from sgicodec.encoder.residual_grids import residual_form
 from sgicodec.errors import CorruptStreamError, PictureError, StreamError, UsageError
+from sgicodec.metrics.perceptual import ssimulacra2
+from sgicodec.metrics.psnr import psnr
 
 QUICK = EncodeSettings(steps=20, quality=40, tune="psnr")
 LOSSLESS = replace(QUICK, max_error=0)
@@ -168,7 +170,7 @@ def means(rows: NDArray[np.float64], start: float, step: float, count: int) -> N
 
 @pytest.mark.parametrize(
     ("settings", "max_error"),
-    [({}, 0), ({"quality": 45}, 0), ({"lmbda": 0.01}, None), ({"psnr": 25}, None), ({"max_error": 3}, 3)],
+    [({}, 0), ({"quality": 45}, 0), ({"lmbda": 0.01}, None), ({"psnr": 25}, 0), ({"max_error": 3}, 3)],
 )
 def test_text_is_shown_by_the_layer(settings: dict[str, float], max_error: float | None) -> None:
     page = Picture(text(300, 200), "rgb", (0.0, 255.0))
@@ -232,6 +234,24 @@ def test_text_beside_a_photograph(mixed: Picture, mixed_stream: bytes) -> None:
     assert 1 < np.abs(found[photograph].astype(float) - mixed.pixels[photograph]).mean() < 15
     steps = [np.abs(np.diff(pixels[420:].astype(int), axis=1)).mean() for pixels in (bare, mixed.pixels)]
     assert steps[0] < steps[1] / 20
+
+
+@pytest.mark.parametrize(
+    ("target", "value", "tile"), [("size", 16000, 0), ("size", 16000, 256), ("psnr", 36, 256), ("ssimulacra2", 70, 0)]
+)
+def test_text_beside_a_photograph_at_a_target(mixed: Picture, target: str, value: float, tile: int) -> None:
+    """The stream meets it as a whole, with hard letters."""
+    settings = EncodeSettings(steps=20, tile=tile, effort=1, **{target: value})
+    encoded = encode_picture(mixed, settings, verify=True)
+    with open_stream(encoded.data) as stream:
+        found, software = stream.picture().pixels, stream.software
+        np.testing.assert_array_equal(found[400:], mixed.pixels[400:])
+    assert software.split()[1].startswith(target)
+    score = ssimulacra2(mixed.pixels, found)
+    assert encoded.psnr == pytest.approx(psnr(mixed.pixels / 255, found / 255))
+    measured = {"size": encoded.size, "psnr": encoded.psnr, "ssimulacra2": score}[target]
+    assert measured == pytest.approx(value, abs={"size": 480, "psnr": 0.1, "ssimulacra2": 1}[target])
+    assert target != "size" or measured <= value
 
 
 @pytest.mark.parametrize("isa", ISAS)
