@@ -63,12 +63,11 @@ class Collection {
     const int diagonals = coded_diagonals(symbols, cell.side());
     const float excess[] = {0.5f, excess_[0], excess_[1], excess_[2]};  // the first lets no symbol be +0 in both states
     QuantizerState state;
-    for (const int index : texture_scan(cell.log)) {
-      const int u = index & (cell.side() - 1), v = index >> cell.log;
-      if (u + v >= diagonals) break;
-      const int symbol = symbols[v * field_.width + u];
+    for (const Frequency &at : texture_scan(cell.log)) {
+      if (at.diagonal() >= diagonals) break;
+      const int symbol = symbols[at.v * field_.width + at.u];
       const auto sign = float((symbol > 0) - (symbol < 0));  // no branch, which nothing could predict
-      to[index] = sign * (state.magnitude(symbol) + excess[std::min(std::abs(symbol), 3)]) * step * growth[index];
+      to[at.index] = sign * (state.magnitude(symbol) + excess[std::min(std::abs(symbol), 3)]) * step * growth[at.index];
       state = state.after(symbol);
     }
   }

@@ -59,15 +59,15 @@ class TextureCoding {
     known_.clear();
     QuantizerState state;
     int highest = -1, diagonal = 0;
-    for (const int index : texture_scan(cell.log)) {
-      const int u = index & (cell.side() - 1), v = index >> cell.log;
-      if (u + v > last || !sound_) break;
-      if (u + v > diagonal) known_.advance(), ++diagonal;
-      values[index] = int16_t(symbol(context.at(known_.near(u), u, v, state), values[index]));
-      state = state.after(values[index]);
-      if (!values[index]) continue;
-      known_.set(u, std::abs(values[index]));
-      highest = u + v;
+    for (const Frequency &at : texture_scan(cell.log)) {
+      if (at.diagonal() > last || !sound_) break;
+      if (at.diagonal() > diagonal) known_.advance(), ++diagonal;
+      int16_t &value = values[at.index];
+      value = int16_t(symbol(context.at(known_.near(at.u), at, state), value));
+      state = state.after(value);
+      if (!value) continue;
+      known_.set(at.u, std::abs(value));
+      highest = at.diagonal();
     }
     sound_ = sound_ && highest == last;
     return last;

@@ -7,54 +7,7 @@ namespace sgi {
 
 namespace {
 
-constexpr uint32_t kKinds = 3;  // of channels: the first, the second, all others
-constexpr uint32_t kLevelsOf = 16, kZones = 16, kNodes = 64, kExtents = 8;
-constexpr uint32_t kPlaces = 64 + 256 + 256;  // of frequencies of all sizes; those of 32 in pairs
-constexpr uint32_t kSizes = kTextureSizes;
-
-// Where the models of each context begin.
-constexpr uint32_t kPlaceModels = 0;
-constexpr uint32_t kAroundModels = kPlaceModels + kKinds * kPlaces * kMagnitudeBits;
-constexpr uint32_t kRestModels = kAroundModels + kKinds * kLevelsOf * kLevelsOf * kMagnitudeBits;
-constexpr uint32_t kTotalModels = kRestModels + kKinds * kZones * kZones * kMagnitudeBits;
-constexpr uint32_t kExtentModels = kTotalModels + kKinds * kSizes * kLevelsOf * kZones * kMagnitudeBits;
-constexpr uint32_t kCellModels = kExtentModels + kKinds * kSizes * (2 * kExtents + 1) * kNodes;
-constexpr uint32_t kLogs = kTextureRoot + 2;  // of what lies around a cell: none, of a size, or nothing known
-constexpr uint32_t kContrastModels = kCellModels + 2 * kSizes * (kLogs * kLogs + 1);
-constexpr uint32_t kModels = kContrastModels + kContrastLimit * 2 + 2;
-
-constexpr uint32_t kSizeWeights = 0;
-constexpr uint32_t kLevelWeights = kSizeWeights + kKinds * kSizes * kMagnitudeBits;
-constexpr uint32_t kExtentWeights = kLevelWeights + kKinds * kLevelsOf * kMagnitudeBits;
-constexpr uint32_t kCellWeights = kExtentWeights + 2 * kKinds * kSizes;
-constexpr uint32_t kContrastWeights = kCellWeights + 4 * kSizes;
-constexpr uint32_t kSets = kContrastWeights + 2;
-
 uint32_t kind_of(int channel) { return uint32_t(std::min<int>(channel, kKinds - 1)); }
-
-int bits_of(int value) { return value > 0 ? 32 - __builtin_clz(unsigned(value)) : 0; }
-
-// Sixteen levels of a weighted sum of magnitudes: two per octave, finer near zero.
-constexpr int level_of(int sum) {
-  if (sum < 8) return sum / 2;
-  const int bits = 32 - __builtin_clz(unsigned(sum));
-  return 4 + (bits - 4) * 2 + ((sum >> (bits - 2)) & 1);
-}
-
-constexpr int kTopLevel = 384;  // the least sum of the last level
-static_assert(level_of(kTopLevel) == 15 && level_of(kTopLevel - 1) == 14);
-
-struct Levels {
-  uint8_t of[kTopLevel + 1];
-
-  constexpr Levels() : of{} {
-    for (int sum = 0; sum <= kTopLevel; ++sum) of[sum] = uint8_t(level_of(sum));
-  }
-};
-constexpr Levels kLevels;
-
-// A table, because no branch can be predicted here.
-uint32_t level(int sum) { return kLevels.of[std::min(sum, kTopLevel)]; }
 
 constexpr int kSide = 1 << kTextureRoot, kMaxSum = 1 << 14;
 
@@ -176,39 +129,6 @@ void SymbolContext::look_before(const TextureField &field, const TextureCell &ce
   add_crosses(field, 0, cell, 1, false, before_);
   if (channel > 1) add_crosses(field, channel - 1, cell, 1, false, before_);
   for (int i = 0; i < rows_ << log_; ++i) before_[i] = std::min(before_[i], kMaxSum);
-}
-
-SymbolPlace SymbolContext::place(int u, int v) const {
-  const int index = v << log_ | u;
-  const auto kind = uint32_t(kind_), zone = uint32_t(std::min(15, (u + v) >> (log_ - kTextureLeast)));
-  const int half = log_ == kTextureRoot, across = std::min(log_, 4);
-  const uint32_t place = (log_ == 3 ? 0 : log_ == 4 ? 64 : 320) + uint32_t((v >> half) << across | u >> half);
-  const uint32_t sized = kind * kSizes + uint32_t(log_ - kTextureLeast);
-  SymbolPlace found;
-  found.has_before_ = kind_ > 0;
-  found.outside_ = 2 * (around_[index] + (kind_ ? before_[index] : 0));
-  found.far_ = uint32_t(bits_of(last_ - u - v));
-  found.models_ = {kPlaceModels + (kind * kPlaces + place) * kMagnitudeBits,
-                   kAroundModels + (kind * kLevelsOf + level(around_[index])) * kLevelsOf * kMagnitudeBits,
-                   kRestModels + (kind * kZones + zone) * kZones * kMagnitudeBits,
-                   kTotalModels + (sized * kLevelsOf * kZones + zone) * kMagnitudeBits};
-  found.weights_ = {kSizeWeights + sized * kMagnitudeBits, kLevelWeights + kind * kLevelsOf * kMagnitudeBits};
-  return found;
-}
-
-BitContext SymbolPlace::at(const NearMagnitudes &near, QuantizerState state) const {
-  const int total = 3 * near.inside + outside_;
-  const uint32_t sum = level(has_before_ ? total * 3 / 4 : total);
-  const uint32_t rest = std::min(15u, far_ + 4 * uint32_t(std::min(3, near.next)));
-  const uint32_t models = state.odd() ? kModels : 0, weights = state.odd() ? kSets : 0;
-  return {{models + models_[0], models + models_[1] + level(near.inside) * kMagnitudeBits,
-           models + models_[2] + rest * kMagnitudeBits, models + models_[3] + sum * kZones * kMagnitudeBits},
-          {weights + weights_[0], weights + weights_[1] + sum * kMagnitudeBits},
-          4};
-}
-
-BitContext SymbolContext::at(const NearMagnitudes &near, int u, int v, QuantizerState state) const {
-  return place(u, v).at(near, state);
 }
 
 }  // namespace sgi

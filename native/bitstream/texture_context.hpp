@@ -14,6 +14,53 @@ constexpr int kMagnitudeBits = 8;  // a magnitude is coded as up to eight bits "
 constexpr int kRestDigits = 13;    // of the rest + 1, behind the first
 static_assert(kTextureMost == kMagnitudeBits + (2 << kRestDigits) - 2);
 
+constexpr uint32_t kKinds = 3;  // of channels: the first, the second, all others
+constexpr uint32_t kLevelsOf = 16, kZones = 16, kNodes = 64, kExtents = 8;
+constexpr uint32_t kPlaces = 64 + 256 + 256;  // of frequencies of all sizes; those of 32 in pairs
+constexpr uint32_t kSizes = kTextureSizes;
+
+// Where the models of each context begin.
+constexpr uint32_t kPlaceModels = 0;
+constexpr uint32_t kAroundModels = kPlaceModels + kKinds * kPlaces * kMagnitudeBits;
+constexpr uint32_t kRestModels = kAroundModels + kKinds * kLevelsOf * kLevelsOf * kMagnitudeBits;
+constexpr uint32_t kTotalModels = kRestModels + kKinds * kZones * kZones * kMagnitudeBits;
+constexpr uint32_t kExtentModels = kTotalModels + kKinds * kSizes * kLevelsOf * kZones * kMagnitudeBits;
+constexpr uint32_t kCellModels = kExtentModels + kKinds * kSizes * (2 * kExtents + 1) * kNodes;
+constexpr uint32_t kLogs = kTextureRoot + 2;  // of what lies around a cell: none, of a size, or nothing known
+constexpr uint32_t kContrastModels = kCellModels + 2 * kSizes * (kLogs * kLogs + 1);
+constexpr uint32_t kModels = kContrastModels + kContrastLimit * 2 + 2;
+
+constexpr uint32_t kSizeWeights = 0;
+constexpr uint32_t kLevelWeights = kSizeWeights + kKinds * kSizes * kMagnitudeBits;
+constexpr uint32_t kExtentWeights = kLevelWeights + kKinds * kLevelsOf * kMagnitudeBits;
+constexpr uint32_t kCellWeights = kExtentWeights + 2 * kKinds * kSizes;
+constexpr uint32_t kContrastWeights = kCellWeights + 4 * kSizes;
+constexpr uint32_t kSets = kContrastWeights + 2;
+
+inline int bits_of(int value) { return value > 0 ? 32 - __builtin_clz(unsigned(value)) : 0; }
+
+// Sixteen levels of a weighted sum of magnitudes: two per octave, finer near zero.
+constexpr int level_of(int sum) {
+  if (sum < 8) return sum / 2;
+  const int bits = 32 - __builtin_clz(unsigned(sum));
+  return 4 + (bits - 4) * 2 + ((sum >> (bits - 2)) & 1);
+}
+
+constexpr int kTopLevel = 384;  // the least sum of the last level
+static_assert(level_of(kTopLevel) == 15 && level_of(kTopLevel - 1) == 14);
+
+struct LevelTable {
+  uint8_t of[kTopLevel + 1];
+
+  constexpr LevelTable() : of{} {
+    for (int sum = 0; sum <= kTopLevel; ++sum) of[sum] = uint8_t(level_of(sum));
+  }
+};
+inline constexpr LevelTable kLevelTable;
+
+// A table, because no branch can be predicted here.
+inline uint32_t level(int sum) { return kLevelTable.of[std::min(sum, kTopLevel)]; }
+
 // Models and weights of all bits of texture, none of them seen yet.
 BitModels fresh_texture_models();
 
@@ -43,23 +90,24 @@ struct NearMagnitudes {
 // The magnitudes of the three diagonals of a block around the symbol that is coded, by u; those not coded yet are 0.
 class KnownMagnitudes {
  public:
-  void clear() { diagonals_ = {}; }
-  // Goes on to the next diagonal.
+  void clear() { magnitudes_ = {}; }
+  // Goes on to the next diagonal, in the place of the oldest one.
   void advance() {
-    here_ = here_ == 2 ? 0 : here_ + 1;
-    diagonals_[here_].fill(0);
+    const int oldest = before_;
+    before_ = last_, last_ = here_, here_ = oldest;
+    std::fill_n(magnitudes_.begin() + here_, kStride, int16_t(0));
   }
-  void set(int u, int magnitude) { diagonals_[here_][u + 2] = int16_t(magnitude); }
+  void set(int u, int magnitude) { magnitudes_[here_ + u + 2] = int16_t(magnitude); }
   NearMagnitudes near(int u) const {
-    const int16_t *here = &diagonals_[here_][u + 2], *last = &diagonals_[here_ ? here_ - 1 : 2][u + 2];
-    const int16_t *before = &diagonals_[here_ == 2 ? 0 : here_ + 1][u + 2];
+    const int16_t *first = &magnitudes_[u + 2], *here = first + here_, *last = first + last_, *before = first + before_;
     const int next = last[-1] + last[0];
     return {next, 4 * next + 2 * (before[-1] + before[-2] + before[0] + here[-1] + last[1] + last[-2])};
   }
 
  private:
-  std::array<std::array<int16_t, (1 << kTextureRoot) + 4>, 3> diagonals_{};
-  int here_ = 0;  // the diagonal of the symbol; the ones before it go round
+  static constexpr int kStride = (1 << kTextureRoot) + 4;
+  std::array<int16_t, 3 * kStride> magnitudes_{};
+  int here_ = 0, last_ = kStride, before_ = 2 * kStride;  // where the symbol's diagonal is, and the ones before it
 };
 
 // The first bit of a symbol, for any symbols near it in its block.
@@ -83,9 +131,9 @@ class SymbolContext {
  public:
   // last: diagonal beyond which there are none.
   SymbolContext(const TextureField &field, const TextureCell &cell, int channel, int last);
-  SymbolPlace place(int u, int v) const;
-  // Of the first bit at (u, v), as in `SymbolPlace`.
-  BitContext at(const NearMagnitudes &near, int u, int v, QuantizerState state) const;
+  SymbolPlace place(const Frequency &at) const;
+  // Of the first bit of a frequency, as in `SymbolPlace`.
+  BitContext at(const NearMagnitudes &near, const Frequency &at, QuantizerState state) const;
   // Of a later bit.
   static BitContext later(BitContext first, int bit) {
     for (auto &model : first.model) model += uint32_t(bit);
@@ -105,5 +153,37 @@ class SymbolContext {
   int log_, kind_, last_, rows_;
   Sums around_, before_;
 };
+
+inline SymbolPlace SymbolContext::place(const Frequency &at) const {
+  const int index = at.index, half = log_ == kTextureRoot, across = std::min(log_, 4);
+  const auto kind = uint32_t(kind_), zone = uint32_t(std::min(15, at.diagonal() >> (log_ - kTextureLeast)));
+  const uint32_t place = (log_ == 3 ? 0 : log_ == 4 ? 64 : 320) + uint32_t((at.v >> half) << across | at.u >> half);
+  const uint32_t sized = kind * kSizes + uint32_t(log_ - kTextureLeast);
+  SymbolPlace found;
+  found.has_before_ = kind_ > 0;
+  found.outside_ = 2 * (around_[index] + (kind_ ? before_[index] : 0));
+  found.far_ = uint32_t(bits_of(last_ - at.diagonal()));
+  found.models_ = {kPlaceModels + (kind * kPlaces + place) * kMagnitudeBits,
+                   kAroundModels + (kind * kLevelsOf + level(around_[index])) * kLevelsOf * kMagnitudeBits,
+                   kRestModels + (kind * kZones + zone) * kZones * kMagnitudeBits,
+                   kTotalModels + (sized * kLevelsOf * kZones + zone) * kMagnitudeBits};
+  found.weights_ = {kSizeWeights + sized * kMagnitudeBits, kLevelWeights + kind * kLevelsOf * kMagnitudeBits};
+  return found;
+}
+
+inline BitContext SymbolPlace::at(const NearMagnitudes &near, QuantizerState state) const {
+  const int total = 3 * near.inside + outside_;
+  const uint32_t sum = level(has_before_ ? total * 3 / 4 : total);
+  const uint32_t rest = std::min(15u, far_ + 4 * uint32_t(std::min(3, near.next)));
+  const uint32_t models = state.odd() ? kModels : 0, weights = state.odd() ? kSets : 0;
+  return {{models + models_[0], models + models_[1] + level(near.inside) * kMagnitudeBits,
+           models + models_[2] + rest * kMagnitudeBits, models + models_[3] + sum * kZones * kMagnitudeBits},
+          {weights + weights_[0], weights + weights_[1] + sum * kMagnitudeBits},
+          4};
+}
+
+inline BitContext SymbolContext::at(const NearMagnitudes &near, const Frequency &at, QuantizerState state) const {
+  return place(at).at(near, state);
+}
 
 }  // namespace sgi

@@ -31,14 +31,14 @@ void TextureField::clear(const TextureCell &cell) {
   for (int channel = 0; channel < channels; ++channel) set(cell, channel, nothing.data(), -1);
 }
 
-const std::vector<int16_t> &texture_scan(int log) {
+const std::vector<Frequency> &texture_scan(int log) {
   static const auto scans = [] {
-    std::array<std::vector<int16_t>, kTextureSizes> all;
+    std::array<std::vector<Frequency>, kTextureSizes> all;
     for (int l = kTextureLeast; l <= kTextureRoot; ++l) {
       const int side = 1 << l;
       for (int diagonal = 0; diagonal < 2 * side - 1; ++diagonal)
         for (int u = std::max(0, diagonal - side + 1); u <= std::min(diagonal, side - 1); ++u)
-          all[l - kTextureLeast].push_back(int16_t((diagonal - u) * side + u));
+          all[l - kTextureLeast].push_back({int16_t((diagonal - u) * side + u), uint8_t(u), uint8_t(diagonal - u)});
     }
     return all;
   }();

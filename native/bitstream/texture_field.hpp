@@ -56,8 +56,16 @@ struct TextureField {
   void clear(const TextureCell &cell);
 };
 
-// The frequencies (v * n + u) of a cell by diagonals u + v from low to high, within one by rising u.
-const std::vector<int16_t> &texture_scan(int log);
+// A frequency (u, v) of a cell; index: v * n + u.
+struct Frequency {
+  int16_t index;
+  uint8_t u, v;
+
+  int diagonal() const { return u + v; }
+};
+
+// The frequencies of a cell by diagonals from low to high, within one by rising u.
+const std::vector<Frequency> &texture_scan(int log);
 
 // The last diagonal of a cell's values [n, n] with a symbol, -1 for none.
 int last_diagonal(const int16_t *values, int log);

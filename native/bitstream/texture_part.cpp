@@ -82,12 +82,10 @@ std::optional<CodedTexture> read_texture_part(SymbolReader &reader, int64_t widt
     indices.colours = read_colours(reader);
   }
   const double before = reader.decoder().content();
-  TextureRead read = read_texture(shipped_texture_models(), reader.decoder(), empty_field(width, height, channels),
-                                  width, height, indices.has_contrast);
-  if (!read.sound) throw Error(Fault::corrupt, "texture: the payload does not decode; it is damaged");
-  reader.record(read.symbols.data(), int64_t(read.symbols.size()));
+  TextureField field = read_texture(shipped_texture_models(), reader, empty_field(width, height, channels), width,
+                                    height, indices.has_contrast);
   reader.book(Part::texture, reader.decoder().content() - before);
-  return CodedTexture{std::move(indices), std::move(read.field)};
+  return CodedTexture{std::move(indices), std::move(field)};
 }
 
 }  // namespace sgi

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "base/error.hpp"
+
 namespace sgi {
 
 namespace {
@@ -99,15 +101,19 @@ TextureBits write_texture(BitModels &models, const TextureField &field, int64_t 
   return written;
 }
 
-TextureRead read_texture(BitModels models, RangeDecoder &decoder, TextureField field, int64_t width, int64_t height,
-                         bool has_contrast) {
-  BitReader bits(decoder);
+TextureField read_texture(BitModels models, SymbolReader &reader, TextureField field, int64_t width, int64_t height,
+                          bool has_contrast) {
+  BitReader bits(reader.decoder());
   LayerCoding<BitReader> layer(models, field, bits, nullptr, width, height, has_contrast);
+  std::vector<int32_t> &symbols = layer.coding.symbols;
   each_root(width, height, [&](const TextureCell &cell) {
     if (layer.sound()) layer.root(cell);
+    reader.record(symbols.data(), int64_t(symbols.size()));
+    symbols.clear();
   });
-  const bool sound = layer.sound() && layer.any();
-  return {std::move(field), std::move(layer.coding.symbols), sound};
+  if (!layer.sound() || !layer.any())
+    throw Error(Fault::corrupt, "texture: the payload does not decode; it is damaged");
+  return field;
 }
 
 }  // namespace sgi

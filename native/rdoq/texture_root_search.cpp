@@ -35,11 +35,10 @@ void TextureSought::scale_beside(const TextureField &field, const TextureCell &c
   const int16_t *symbols = field.at(0, cell);
   const int side = cell.side(), last = field.last_at_most(0, cell);
   QuantizerState state;
-  for (const int i : texture_scan(cell.log)) {
-    const int u = i & (side - 1), v = i >> cell.log;
-    if (u + v > last) break;
-    const int symbol = symbols[v * field.width + u];
-    if (symbol) first[i] -= std::copysign(state.magnitude(symbol), float(symbol));
+  for (const Frequency &at : texture_scan(cell.log)) {
+    if (at.diagonal() > last) break;
+    const int symbol = symbols[at.v * field.width + at.u];
+    if (symbol) first[at.index] -= std::copysign(state.magnitude(symbol), float(symbol));
     state = state.after(symbol);
   }
   const int at_contrast = contrast(field, cell);

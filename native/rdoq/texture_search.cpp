@@ -133,12 +133,12 @@ class TextureSearch {
     CellValues<float> scaled;
     sought_.scale_beside(field(), cell, channel, scaled);
     QuantizerState state;
-    for (const int i : texture_scan(cell.log)) {
-      if ((i & (cell.side() - 1)) + (i >> cell.log) > last) break;
-      const int symbol = values[i];
+    for (const Frequency &at : texture_scan(cell.log)) {
+      if (at.diagonal() > last) break;
+      const int symbol = values[at.index];
       if (symbol) {
         const size_t group = std::min(std::abs(symbol), 3) - 1;
-        found_.count[group] += 1, found_.excess[group] += std::abs(scaled[i]) - state.magnitude(symbol);
+        found_.count[group] += 1, found_.excess[group] += std::abs(scaled[at.index]) - state.magnitude(symbol);
       }
       state = state.after(symbol);
     }

@@ -85,14 +85,14 @@ class Trellis {
   }
 
   // Goes on to the next symbol. scaled: |amplitude| in steps.
-  void add(int u, int v, float scaled) {
-    const SymbolPlace place = context_.place(u, v);
+  void add(const Frequency &at, float scaled) {
+    const SymbolPlace place = context_.place(at);
     Offers offers{};
     for (int state = 0; state < kStates; ++state)
-      offers[state] = now_.cost[state] < kImpossible ? &offer_to(state, offers, place, u, scaled) : nullptr;
+      offers[state] = now_.cost[state] < kImpossible ? &offer_to(state, offers, place, at.u, scaled) : nullptr;
     Moves &moves = moves_[count_++];
     Survivors next;
-    for (int state = 0; state < kHalf; ++state) follow(state, offers, u, next, moves);
+    for (int state = 0; state < kHalf; ++state) follow(state, offers, at.u, next, moves);
     const float most = *std::min_element(next.cost.begin(), next.cost.end()) + kHopeless;
     for (float &cost : next.cost)
       if (cost > most) cost = kImpossible;
@@ -110,9 +110,9 @@ class Trellis {
   float cost(int state) const { return now_.cost[state]; }
 
   // Puts the symbols of the first `count` additions, after which the state was this one, where `scan` has them.
-  void trace(size_t count, int state, const std::vector<int16_t> &scan, CellSymbols &values) const {
+  void trace(size_t count, int state, const std::vector<Frequency> &scan, CellSymbols &values) const {
     while (count--) {
-      values[scan[count]] = moves_[count].symbol[state];
+      values[scan[count].index] = moves_[count].symbol[state];
       state = moves_[count].from[state];
     }
   }
@@ -191,18 +191,17 @@ float extent_bits(const BitModels &models, const ExtentContext &context, int log
   return sum;
 }
 
-int diagonal_of(int index, int log) { return (index & ((1 << log) - 1)) + (index >> log); }
-
 }  // namespace
 
 void choose_block(const BitModels &models, const TextureField &field, const TextureCell &cell, int channel,
                   float lambda, const CellValues<float> &scaled, Choice &choice) {
-  const std::vector<int16_t> &scan = texture_scan(cell.log);
+  const std::vector<Frequency> &scan = texture_scan(cell.log);
   float beyond = 0;  // squared error of what has not been chosen yet
   int most = -1;
-  for (const int index : scan) {
-    beyond += scaled[index] * scaled[index];
-    if (scaled[index] > kLastWorth) most = diagonal_of(index, cell.log);
+  for (const Frequency &frequency : scan) {
+    const float amplitude = scaled[frequency.index];
+    beyond += amplitude * amplitude;
+    if (amplitude > kLastWorth) most = frequency.diagonal();
   }
   const ExtentContext extent(field, cell, channel);
   choice.values.fill(0);
@@ -214,10 +213,10 @@ void choose_block(const BitModels &models, const TextureField &field, const Text
   int state = 0;
   for (int diagonal = 0; diagonal <= most; ++diagonal) {
     if (diagonal) trellis.advance();
-    for (; at < scan.size() && diagonal_of(scan[at], cell.log) == diagonal; ++at) {
-      const int index = scan[at];
-      beyond -= scaled[index] * scaled[index];
-      trellis.add(index & (cell.side() - 1), index >> cell.log, scaled[index]);
+    for (; at < scan.size() && scan[at].diagonal() == diagonal; ++at) {
+      const float amplitude = scaled[scan[at].index];
+      beyond -= amplitude * amplitude;
+      trellis.add(scan[at], amplitude);
     }
     const int best = trellis.best_here();
     if (best < 0) continue;
