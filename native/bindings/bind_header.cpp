@@ -57,6 +57,10 @@ class ToPython {
 
   void real(const char *name, const char *, const double &member) { set(name, nb::float_(member)); }
 
+  void blob(const char *name, const char *, const std::vector<uint8_t> &member, int64_t) {
+    set(name, nb::bytes(member.data(), member.size()));
+  }
+
  private:
   void set(const char *name, const nb::object &value) { fields[name] = value; }
 };
@@ -97,6 +101,12 @@ class FromPython {
   }
 
   void real(const char *name, const char *, double &member) { member = nb::cast<double>(get(name)); }
+
+  void blob(const char *name, const char *, std::vector<uint8_t> &member, int64_t) {
+    const auto given = nb::cast<nb::bytes>(get(name));
+    const auto *first = static_cast<const uint8_t *>(given.data());
+    member.assign(first, first + given.size());
+  }
 
  private:
   // The attribute at a path.

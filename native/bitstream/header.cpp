@@ -3,11 +3,13 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
+#include <stdexcept>
 #include <string>
 
 #include "base/error.hpp"
 #include "bitstream/header_fields.hpp"
 #include "bitstream/varint.hpp"
+#include "model/restoration_network.hpp"
 
 namespace sgi {
 
@@ -85,6 +87,11 @@ class FieldReader {
 
   void real(const char *, const char *what, double &member) { unpack(what, &member, 1); }
 
+  void blob(const char *, const char *what, std::vector<uint8_t> &member, int64_t most) {
+    member.resize(size_t(take(what, 1, most)));
+    unpack(what, member.data(), member.size());
+  }
+
   bool at_end() const { return at_ == data_.size; }
 
  private:
@@ -125,6 +132,7 @@ class FieldWriter {
     ranges_ = stated_ranges(header);
     const bool are_counted = ranges_ && (ranges_ > 1 || header.sample_type != SampleType::f32);
     flags_ = (header.tile ? kTiled : 0) | (are_counted ? kRanges : 0);
+    flags_ |= header.network.empty() ? 0 : kNetwork;
     flags_ |= header.masked == Masked::transparent ? kTransparent : header.masked == Masked::nodata ? kNodata : 0;
     visit_flags(header, [&](int64_t bit, const char *, bool member) { flags_ |= member ? bit : 0; });
     encode_varint(flags_, payload_);
@@ -140,6 +148,11 @@ class FieldWriter {
   }
 
   void real(const char *, const char *, const double &member) { append(&member, sizeof member); }
+
+  void blob(const char *, const char *, const std::vector<uint8_t> &member, int64_t) {
+    encode_varint(int64_t(member.size()), payload_);
+    append(member.data(), member.size());
+  }
 
  private:
   // How many ranges are stated: none of integers that span their type, one where all colours have the same.
@@ -203,6 +216,16 @@ void check_masks(const Header &header) {
     corrupt(std::string("no sample of ") + kSampleNames[int(header.sample_type)] + " is " + text_of(header.nodata));
 }
 
+void check_network(const Header &header) {
+  if (header.network.empty()) return;
+  if (!header.spec.restoration) corrupt("a network of restoration that no tile can name");
+  try {
+    parse_restoration(header.own_network());
+  } catch (const std::logic_error &error) {
+    corrupt(error.what());
+  }
+}
+
 void check_tiles(const Header &header) {
   const int64_t count = header.grid().count();
   if (header.tile && count == 1) corrupt("a picture of one tile states a tile size of " + std::to_string(header.tile));
@@ -223,6 +246,7 @@ Header decode_header(Bytes payload) {
   visit_fields(header, fields);
   if (!fields.at_end()) corrupt("longer than its fields");
   check_model(header.spec), check_layout(header), check_ranges(header), check_masks(header), check_tiles(header);
+  check_network(header);
   return header;
 }
 

@@ -30,7 +30,9 @@ struct Header {
   double nodata;        // what such a pixel holds, with Masked::nodata
   bool has_band_masks;  // whether tiles may say so of each band by itself
   bool has_exact;       // whether tiles list samples that they state exactly
+  std::vector<uint8_t> network;  // the file of the picture's own network of restoration; empty for none
 
+  Bytes own_network() const { return {network.data(), network.size()}; }
   // The channel that is alpha, or -1; the channels besides it.
   int alpha() const;
   int colours() const { return alpha() < 0 ? spec.channels : spec.channels - 1; }

@@ -9,6 +9,7 @@
 namespace sgi {
 
 constexpr int kFormatVersion = 8;  // the only one that is written and read, until 1.0
+constexpr int64_t kMaxNetwork = 1 << 14;  // bytes, about the products that a pixel takes
 constexpr int64_t kMaxFeatures = 1 << 13, kMaxHidden = 1 << 12, kMaxHashLevels = 32, kMaxHashResolution = 1 << 14;
 
 // Names of the values of enumerations; nullptr for none.
@@ -19,7 +20,7 @@ constexpr const char *kSeedLayoutNames[] = {"adaptive", "uniform"};
 constexpr const char *kMaskedNames[] = {nullptr, "transparent", "nodata"};
 
 // Bits of the flags that say which fields follow, and which pixels tiles may mask.
-constexpr int64_t kTiled = 1, kTransparent = 2, kNodata = 4, kRanges = 64, kAllFlags = 511;
+constexpr int64_t kTiled = 1, kTransparent = 2, kNodata = 4, kRanges = 64, kNetwork = 512, kAllFlags = 1023;
 
 // The flags that are members: `visit` takes the bit, the name and the member.
 template <class Visit>
@@ -38,6 +39,7 @@ void visit_flags(Header &header, const Visit &visit) {
 //   flags(header)                                  the member flags and what tiles may mask; returns which parts follow
 //   ranges(header)                                 the samples that 0 and 1 stand for
 //   real(name, what, member)                       a float of 64 bits
+//   blob(name, what, member, most)                 so many bytes, behind their count
 template <class Visitor>
 void visit_fields(Header &header, Visitor &visit) {
   ModelSpec &spec = header.spec;
@@ -71,6 +73,7 @@ void visit_fields(Header &header, Visitor &visit) {
   }
   visit.ranges(header);
   if (flags & kNodata) visit.real("nodata", "the nodata value", header.nodata);
+  if (flags & kNetwork) visit.blob("network", "the network of restoration", header.network, kMaxNetwork);
 }
 
 }  // namespace sgi

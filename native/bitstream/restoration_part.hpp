@@ -5,10 +5,13 @@
 
 namespace sgi {
 
-// The shipped network of a number. Throws Error (unsupported) for one that this version does not have.
-const std::shared_ptr<const RestorationNetwork> &restoration_network(int number);
+constexpr int kOwnNetwork = 15;  // the number of the picture's own
+
+// The network of a number: a shipped one, or that of the picture, whose file is `own`. Throws Error: unsupported for one
+// that this version does not have, corrupt for one that the picture does not have.
+std::shared_ptr<const RestorationNetwork> restoration_network(int number, Bytes own);
 
 // What a tile states. Throws as above.
-RestorationChoice read_restoration_part(SymbolReader &reader);
+RestorationChoice read_restoration_part(SymbolReader &reader, Bytes own);
 
 }  // namespace sgi

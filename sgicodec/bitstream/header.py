@@ -40,7 +40,7 @@ class Header:
     step; family: of the frequency tables. tile: largest side of a tile without its apron, 0 if there is one; apron: how
     far it reaches over its neighbours. masked: whether tiles say which pixels are "transparent", or "nodata" with the
     value `nodata`; has_band_masks: whether they may say so of each band; has_exact: whether they list samples that
-    they state exactly.
+    they state exactly. network: the file of the picture's own network of restoration, empty for none.
     """
 
     width: int
@@ -58,6 +58,7 @@ class Header:
     nodata: float = 0.0
     has_band_masks: bool = False
     has_exact: bool = False
+    network: bytes = b""
 
     @property
     def colours(self) -> int:

@@ -54,6 +54,7 @@ __all__ = ["encode"]
             "per_seed",
             "texture",
             "restoration",
+            "network",
             "features",
             "levels",
             "steps",
@@ -99,6 +100,12 @@ __all__ = ["encode"]
     default=True,
     show_default=True,
     help="Let decoders restore what texture shows by a shipped network.",
+)
+@click.option(
+    "--network",
+    type=click.Path(exists=True, dir_okay=False),
+    metavar="FILE",
+    help="A network that restores pixels instead of the shipped one; the stream takes it along.",
 )
 @click.option("--features", type=int, metavar="D", help="Size of a seed's feature; paper profile.")
 @click.option("--levels", type=int, metavar="M", help="Levels of the pyramid; paper profile.")
@@ -171,6 +178,9 @@ def encode(
         if choices["max_error"]:
             raise UsageError("--lossless and --max-error exclude each other")
         choices["max_error"] = 0
+    if choices["network"] is not None:
+        with open(choices["network"], "rb") as file:
+            choices["network"] = file.read()
     settings = _settings(choices)
     if cluster is None and (source_at is not None or send_pixels):
         raise UsageError("--source-at and --send-pixels go with --cluster")

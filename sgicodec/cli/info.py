@@ -124,6 +124,7 @@ def _settings(header: Header) -> dict[str, Any]:
         "tile": header.tile,
         "apron": header.apron,
         "masked": header.masked,
+        "network_bytes": len(header.network),
     }
 
 
@@ -170,7 +171,9 @@ def _model_lines(facts: Mapping[str, Any]) -> dict[str, str]:
     context += f", {settings['neighbours']} neighbours" if settings["neighbours"] else ""
     context += f", {settings['hash_levels']} hash levels" if settings["hash_levels"] else ""
     base = f", base layer of {settings['base_cell']}-pixel cells" if settings["base_cell"] else ""
+    own = {"restoration": f"by a network of its own, {settings['network_bytes']:,} bytes"}
     return {
+        **(own if settings["network_bytes"] else {}),
         "profile": f"{facts['profile']}: {settings['layout']} layout, D = {settings['features']}{base}",
         "context": context,
         "encoder": facts["encoder"] or "unknown",

@@ -7,10 +7,18 @@ from typing import Any
 
 import numpy as np
 
-from sgicodec.bitstream.header import COLOURED_LAYOUTS, MAX_CHANNELS, MAX_SIDE, MAX_TILES, Header
+from sgicodec.bitstream.header import (
+    COLOURED_LAYOUTS,
+    MAX_CHANNELS,
+    MAX_SIDE,
+    MAX_TILES,
+    Header,
+    decode_header,
+    encode_header,
+)
 from sgicodec.bitstream.limits import check_model, check_texture
 from sgicodec.encoder.settings import EncodeSettings
-from sgicodec.errors import LimitError, PictureError, UsageError
+from sgicodec.errors import LimitError, PictureError, StreamError, UsageError
 from sgicodec.metadata import geo
 from sgicodec.metadata.layouts import SampleRange, alpha_index
 from sgicodec.model.spec import ModelSpec
@@ -108,7 +116,10 @@ def stream_plan(shape: Shape, settings: EncodeSettings) -> Plan:
         nodata=shape.nodata or 0.0,
         has_band_masks=shape.nodata is not None and shape.bands - (alpha_index(shape.channels) is not None) > 1,
         has_exact=shape.exact,
+        network=settings.network or b"",
     )
+    if header.network:
+        _check_network(header)
     if grid.tile and settings.target is not None and TARGETS[settings.target].single_tile:
         raise UsageError(f"{settings.target} goes with a single tile only; --tile 0 makes one")
     place = geo.without_statistics(shape.metadata.geo)
@@ -123,6 +134,15 @@ def _with_texture_that_fits(spec: ModelSpec, grid: TileGrid) -> ModelSpec:
     except LimitError:
         return replace(spec, texture=False, restoration=False)
     return spec
+
+
+def _check_network(header: Header) -> None:
+    if not header.spec.restoration:
+        raise UsageError("a network restores texture; without texture or restoration, leave it out")
+    try:
+        decode_header(encode_header(header))
+    except StreamError as error:
+        raise UsageError(f"this is no network of restoration: {error}") from error
 
 
 def _check_shape(shape: Shape) -> None:

@@ -60,6 +60,8 @@ class EncodeSettings:
     """Whether the default profile lays cosines over its seeds where that is cheaper."""
     restoration: bool = True
     """Whether a shipped network restores pixels with texture where that is nearer to the picture."""
+    network: bytes | None = None
+    """The file of a network that restores pixels instead of a shipped one, which then travels in the stream."""
     tune: Tune | None = None
     """Least squared error or the eye; None for the eye, but for squared error towards a PSNR or under a residual
     layer, which then is smaller."""

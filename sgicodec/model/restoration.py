@@ -1,4 +1,4 @@
-"""Restoration: a shipped network that takes from drawn pixels what quantisation added to them (docs/format.md)."""
+"""Restoration: a network that takes from drawn pixels what quantisation added to them (docs/format.md)."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ F32 = NDArray[np.float32]
 
 @dataclass(frozen=True)
 class Restoration:
-    """What a tile's pixels pass through. network: number of a shipped one; step: index of the step in whose units it
-    sees them, 2^((step − 480) / 32).
+    """What a tile's pixels pass through. network: number of a shipped one, or the file of the picture's own; step:
+    index of the step in whose units it sees them, 2^((step − 480) / 32).
     """
 
-    network: int
+    network: int | bytes
     step: int
 
     def correction(self, drawn: F32, device: Device = ONE_THREAD) -> F32:

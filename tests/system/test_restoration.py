@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from data_files import crop
-from restoration_reader import corrected
+from restoration_reader import another_network, corrected
 
 from sgicodec import EncodeSettings, Picture, encode_picture
 from sgicodec.bitstream.parts.tile import write_tile
@@ -32,6 +32,8 @@ def streams(photo: Picture) -> dict[str, bytes]:
         "visual": replace(QUICK, tune="visual"),
         "tiled": replace(QUICK, tile=100),
         "plain": replace(QUICK, restoration=False),
+        "own": replace(QUICK, network=another_network()),
+        "own-tiled": replace(QUICK, network=another_network(), tile=100),
     }
     return {name: encode_picture(photo, settings).data for name, settings in kinds.items()}
 
@@ -41,7 +43,7 @@ def unrestored(stream: Stream) -> bytes:
     from io import BytesIO
 
     header, model = stream.header, stream.model
-    header = replace(header, spec=replace(header.spec, restoration=False))
+    header = replace(header, spec=replace(header.spec, restoration=False), network=b"")
     model = with_values(header.spec, model, model.decoded_values)
     payload, _ = write_tile(header, replace(model, decoded=None, restoration=None))
     buffer = BytesIO()
@@ -49,7 +51,7 @@ def unrestored(stream: Stream) -> bytes:
     return buffer.getvalue()
 
 
-@pytest.mark.parametrize("name", ["psnr", "visual"])
+@pytest.mark.parametrize("name", ["psnr", "visual", "own"])
 def test_pixels_are_what_the_page_says(streams: dict[str, bytes], name: str) -> None:
     with open_stream(streams[name]) as stream:
         assert stream.header.spec.restoration
@@ -58,7 +60,7 @@ def test_pixels_are_what_the_page_says(streams: dict[str, bytes], name: str) -> 
         with open_stream(unrestored(stream)) as plain:
             drawn = plain.render().transpose(2, 0, 1).astype(np.float64)
     assert restoration is not None
-    assert restoration.network == (2 if name == "visual" else 1)
+    assert restoration.network == {"psnr": 1, "visual": 2, "own": another_network()}[name]
     coded = np.tensordot(to_luma_space(3), drawn, axes=1) if name == "visual" else drawn
     added = corrected(coded, restoration.network, restoration.step)
     if name == "visual":
@@ -76,7 +78,7 @@ def test_it_brings_pixels_nearer(photo: Picture, streams: dict[str, bytes]) -> N
     assert errors[0] < 0.97 * errors[1]
 
 
-@pytest.mark.parametrize("name", ["psnr", "visual", "tiled"])
+@pytest.mark.parametrize("name", ["psnr", "visual", "tiled", "own-tiled"])
 def test_regions_are_parts_of_the_whole(streams: dict[str, bytes], name: str) -> None:
     with open_stream(streams[name]) as stream:
         whole, large = stream.render(), stream.render(scale=2.5)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from sgicodec._native import OWN_NETWORK
 from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
 from sgicodec.model.restoration import Restoration
 
@@ -15,5 +16,6 @@ def write_restoration(writer: SymbolWriter, restoration: Restoration | None) -> 
     if restoration is None:
         writer.code_int(0, _NETWORK_BITS)
         return
-    writer.code_int(restoration.network, _NETWORK_BITS)
+    network = restoration.network
+    writer.code_int(OWN_NETWORK if isinstance(network, bytes) else network, _NETWORK_BITS)
     writer.code_int(restoration.step, _STEP_BITS)

@@ -135,10 +135,14 @@ def read_tile(header: Header, payload: bytes, device: Device = ONE_THREAD) -> tu
         [part.reshape(-1, header.spec.context.hash_features) for part in signs],
         decoded=read.decoded,
         texture=layer_of(read.texture, (header.width, header.height)),
-        restoration=None if read.restoration is None else Restoration(*read.restoration),
+        restoration=None if read.restoration is None else _restoration(header, *read.restoration),
         decoder_shift=read.decoder_shift,
     )
     return model, read
+
+
+def _restoration(header: Header, network: int, step: int) -> Restoration:
+    return Restoration(header.network if network == _native.OWN_NETWORK else network, step)
 
 
 def _write_plan(writer: SymbolWriter, spec: ModelSpec, quality: int, plan: StepPlan) -> None:

@@ -18,11 +18,6 @@ F32 = NDArray[np.float32]
 
 _OFFSETS, _APART = (-40, -24, -8, 8), 16
 """Steps that are tried, from texture's own, in 32nds of an octave."""
-_STRONGER = {1: 0, 2: 4}
-"""By network, how far above the step of least squared error it does best."""
-_WORTH = {1: 1.0, 2: 0.995}
-"""By network, the share of squared error up to which a restored tile is worth the third to half of its decode that
-restoration takes (docs/notes/2026-11-restoration.md)."""
 _BITS = 21
 """That a stream takes for it: the part, and a byte of the header."""
 _LOOKED_AT, _BAND, _MARGIN = 1 << 16, 64, 4
@@ -34,7 +29,7 @@ _LOOKED_AT, _BAND, _MARGIN = 1 << 16, 64, 4
 class Strength:
     """A network, and how far its step is above texture's: the larger the step, the more it takes away."""
 
-    network: int
+    network: int | bytes
     offset: int
 
     def over(self, texture: TextureSymbols) -> Restoration:
@@ -46,12 +41,14 @@ class Strength:
 @dataclass(frozen=True)
 class Restorer:
     """For layers of one picture. unit [C, H, W]: what is to be shown; empty [H, W]: pixels that count nothing, None for
-    none; network: number of the shipped one.
+    none; network: as in `Restoration`; stronger, worth: as in `TextureTuning`.
     """
 
     unit: F32
     empty: NDArray[np.bool_] | None
-    network: int
+    network: int | bytes
+    stronger: int
+    worth: float
     device: Device
 
     def correction(self, search: TextureSearch, texture: TextureSymbols, strength: Strength) -> F32:
@@ -75,9 +72,9 @@ class Restorer:
             return float(np.square(left).sum(dtype=np.float64))
 
         least = _least([error(Strength(self.network, offset)) for offset in _OFFSETS])
-        strength = Strength(self.network, least + _STRONGER[self.network])
+        strength = Strength(self.network, least + self.stronger)
         bits = _BITS * counted.sum() / self.unit.shape[1]
-        return strength if error(strength) + bits * lmbda < _WORTH[self.network] * error(None) else None
+        return strength if error(strength) + bits * lmbda < self.worth * error(None) else None
 
     def _rendered(self, search: TextureSearch, texture: TextureSymbols) -> F32:
         return rendered_over(search, self.unit, texture, self.device)

@@ -138,7 +138,9 @@ class Tile:
     @cached_property
     def restorer(self) -> Restorer:
         """What finds how to restore the tile."""
-        return Restorer(self.unit, self.empty, self.tuning.network, self.device)
+        tuning = self.tuning
+        network = self.header.network or tuning.network
+        return Restorer(self.unit, self.empty, network, tuning.stronger, tuning.worth, self.device)
 
 
 def tile_of(

@@ -45,6 +45,11 @@ class TextureTuning:
     """λ in squared steps, where steps do not grow."""
     network: int
     """Number of the shipped network that restores what is rendered for the same end."""
+    worth: float
+    """Share of squared error up to which a restored tile is worth the third to half of its decode that restoration
+    takes (docs/notes/2026-11-restoration.md)."""
+    stronger: int = 0
+    """How far above the step of least squared error restoration does best, in 32nds of an octave."""
     finer: int = 0
     """32nds of an octave by which the lowest frequency has a smaller step than λ says."""
     growth: tuple[float, float] = (0.0, 0.0)
@@ -85,8 +90,15 @@ _EQUAL_STEPS = 428
 """Index of the step at which colour differences have the same, whatever power they follow: 83 grey levels."""
 
 TUNINGS = {
-    "psnr": TextureTuning(_SQUARED_STEPS, network=1),
-    "visual": TextureTuning(0.0927, network=2, finer=39, growth=(1.0, 4.0), colours=7 / 8, masking=0.4, larger=1.3),
+    "psnr": TextureTuning(_SQUARED_STEPS, network=1, worth=1.0),
+    "visual": TextureTuning(
+        *(0.0927, 2, 0.995, 4),
+        finer=39,
+        growth=(1.0, 4.0),
+        colours=7 / 8,
+        masking=0.4,
+        larger=1.3,
+    ),
 }
 """By what an encode is tuned for. Growth, colours, masking: docs/notes/2026-11-texture-visual.md and
 2026-11-equal-losses.md; `larger`: 2026-11-luma-space.md."""

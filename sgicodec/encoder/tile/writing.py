@@ -63,7 +63,8 @@ def write(state: TileState) -> EncodedTile:
         spec = header.spec
         texture = spec.texture and model.texture is not None
         restoration = spec.restoration and model.restoration is not None
-        header = replace(header, spec=replace(spec, texture=texture, restoration=restoration))
+        network = header.network if restoration else b""
+        header = replace(header, spec=replace(spec, texture=texture, restoration=restoration), network=network)
     coded, writer = write_tile(header, model)
     parts = {name: bits / 8 for name, bits in writer.bits.items()}
     return _encoded(tile, header, coded, parts, len(model.layout), state.lmbda)

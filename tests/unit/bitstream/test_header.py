@@ -63,7 +63,7 @@ def test_other_versions_are_refused(version: int) -> None:
 
 def test_unknown_flags_are_refused() -> None:
     with pytest.raises(LimitError, match="the flags"):
-        decode_header(header_of(GOLDEN_STREAMS[0], flags=lambda flags: flags | 1 << 9))
+        decode_header(header_of(GOLDEN_STREAMS[0], flags=lambda flags: flags | 1 << 10))
 
 
 @pytest.mark.parametrize("fields", [{"per_seed": 2}, {"features": 3}, {"features": 5}, {"hidden": 4}])
