@@ -31,13 +31,8 @@ sgi::Restoration restoration_of(const Tile &drawn, const OneOf &network, int ste
   const size_t channels = drawn.shape(0), rows = drawn.shape(1), columns = drawn.shape(2), pixels = rows * columns;
   require(channels >= 1 && channels <= 64 && pixels > 0 && pixels < (size_t(1) << 31), "a tile must have pixels");
   require(step >= 0 && step < 512, "step must be 0..511");
-  return {network_of(network),
-          step,
-          int(channels),
-          sgi::texture_mix(int(channels), false),
-          int64_t(columns),
-          int64_t(rows),
-          sgi::choose_isa(isa)};
+  return {network_of(network), step,          int(channels),       sgi::texture_mix(int(channels), false),
+          int64_t(columns),    int64_t(rows), sgi::choose_isa(isa)};
 }
 
 sgi::TileBlock whole(const Tile &drawn) { return {0, 0, int64_t(drawn.shape(2)), int64_t(drawn.shape(1))}; }

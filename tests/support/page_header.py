@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import struct
 from dataclasses import replace
+from typing import Any
 
+import numpy as np
 from page_varint import decode_varint
+from restoration_reader import network_of
 
 from sgicodec.bitstream.header import Header, Masked
 from sgicodec.errors import CorruptStreamError, LimitError, UnsupportedStreamError
@@ -14,15 +17,15 @@ from sgicodec.model.spec import ContextSpec, ModelSpec
 
 __all__ = ["LAYOUT_NAMES", "SAMPLE_TYPES", "decode_header"]
 
-FORMAT_VERSION = 8
+FORMAT_VERSION = 9
 MAX_SIDE, MAX_CHANNELS, MAX_TILES, MIN_TILE, MAX_APRON = 1 << 24, 64, 1 << 20, 32, 256
 LAYOUT_NAMES = ("multi", "gray", "gray+alpha", "rgb", "rgba")
 SAMPLE_TYPES = ("uint8", "uint16", "float32")
 MAX_FEATURES, MAX_HIDDEN, MAX_HASH_LEVELS, MAX_HASH_RESOLUTION = 1 << 13, 1 << 12, 32, 1 << 14
 _LAYOUTS, _PROFILES = ("adaptive", "uniform"), ("default", "paper")
 _TILED, _TEXTURE, _LUMA = 1, 8, 16
-_RESTORATION, _RANGES, _BAND_MASKS, _EXACT = 32, 64, 128, 256
-_ALL_FLAGS = 511
+_RESTORATION, _RANGES, _BAND_MASKS, _EXACT, _NETWORK = 32, 64, 128, 256, 512
+_ALL_FLAGS = 1023
 _MASKED: dict[Masked | None, int] = {None: 0, "transparent": 2, "nodata": 4}
 
 
@@ -41,7 +44,7 @@ class _Fields:
             raise LimitError(f"header: {what} is {value}; this version takes {low} to {high}")
         return value
 
-    def unpack(self, what: str, layout: str) -> tuple[float, ...]:
+    def unpack(self, what: str, layout: str) -> tuple[Any, ...]:
         start, self.at = self.at, self.at + struct.calcsize(layout)
         if self.at > len(self.data):
             raise CorruptStreamError(f"header: ends before {what}")
@@ -70,16 +73,46 @@ def decode_header(payload: bytes) -> Header:
     sample_range = _ranges(fields, sample_type, colours, bool(flags & _RANGES))
     nodata = fields.unpack("the nodata value", "<d")[0] if masked == "nodata" else 0.0
     band_masks, exact = bool(flags & _BAND_MASKS), bool(flags & _EXACT)
+    network = b""
+    if flags & _NETWORK:
+        what = "the network of restoration"
+        (network,) = fields.unpack(what, f"{fields.take(what, 1, 1 << 14)}s")
     if fields.at != len(payload):
         raise CorruptStreamError("header: longer than its fields")
     header = Header(
         *(width, height, layout_name, sample_type, sample_range, profile, spec, quality, family),
-        *(tile, apron, masked, nodata, band_masks, exact),
+        *(tile, apron, masked, nodata, band_masks, exact, network),
     )
     _check_model(header)
     _check_samples(header)
     _check_tiles(header)
+    if network and not header.spec.restoration:
+        raise CorruptStreamError("header: a network of restoration that no tile can name")
+    if network and not _is_network(network):
+        raise CorruptStreamError("header: a network of restoration that cannot be")
     return header
+
+
+def _is_network(file: bytes) -> bool:
+    """Whether the file of a network is sound, and no sum can reach 2³¹ for inputs up to 32767."""
+    try:
+        network = network_of(file)
+    except (AssertionError, IndexError, ValueError):
+        return False
+    outputs = [len(weights) for weights in network.weights]
+    inputs = [weights.shape[1] for weights in network.weights]
+    sums = (
+        np.abs(weights).sum(axis=(1, 2, 3)) * 32767 + 64 * np.abs(biases)
+        for weights, biases in zip(network.weights, network.biases, strict=True)
+    )
+    return (
+        2 <= len(outputs) <= 6
+        and inputs == [3, *outputs[:-1]]
+        and outputs[-1] == 3
+        and all(count % 4 == 0 and 0 < count <= 64 for count in outputs[:-1])
+        and max(network.k, *network.shifts) < 31
+        and all(most.max() < 2**31 for most in sums)
+    )
 
 
 def _check_model(header: Header) -> None:

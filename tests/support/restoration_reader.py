@@ -43,9 +43,9 @@ class Network:
 
 
 def another_network() -> bytes:
-    """The file of a network that does not ship: the first that does, with other weights in its last layer."""
-    data = bytearray((PARTS / "restoration1.bin").read_bytes())
-    for at in range(len(data) - 6 - 9 * 16 * 3, len(data) - 6, 5):
+    """The file of a network that does not ship: the second that does, with other weights in its last layer."""
+    data = bytearray((PARTS / "restoration2.bin").read_bytes())
+    for at in range(len(data) - 6 - 9 * 12 * 3, len(data) - 6, 5):
         data[at] ^= 1
     return bytes(data)
 

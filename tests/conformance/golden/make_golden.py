@@ -28,6 +28,7 @@ from sgicodec.rdoq.objective import with_values
 HERE = Path(__file__).parent
 sys.path += [str(HERE.parents[1] / "support"), str(HERE.parents[2])]
 
+from restoration_reader import another_network  # noqa: E402
 from surgery import join, split  # noqa: E402
 from textures import random_symbols  # noqa: E402
 
@@ -76,6 +77,7 @@ def pictures() -> dict[str, tuple[Picture, EncodeSettings]]:
         "rgba8-tiles-luma": (crop_with_alpha, replace(luma, quality=40, tile=100, overview=True)),
         "rgb8-restored": (Picture(forest, "rgb", (0.0, 255.0)), restored),
         "rgb8-restored-psnr": (Picture(forest, "rgb", (0.0, 255.0)), restored_psnr),
+        "rgb8-tiles-own-network": (crop, replace(luma, restoration=True, tile=100, network=another_network())),
         "rgb8-any-colours": (Picture(small, "rgb", (0.0, 255.0)), luma),
         "rgba8-tiles-colours": (crop_with_alpha, replace(restored_psnr, quality=60, tile=100, overview=True)),
         "gray16-restored": (Picture(leaves[..., None], "gray", (0.0, 65535.0)), restored_psnr),

@@ -51,6 +51,9 @@ def test_what_tiles_may_have_comes_back(path: Path, what: str) -> None:
         if has and what == "luma_space" and header.channels not in ("rgb", "rgba"):
             with pytest.raises(CorruptStreamError, match="has no luma space"):
                 decode_header(payload)
+        elif header.network and not changed.spec.restoration:
+            with pytest.raises(CorruptStreamError, match="that no tile can name"):
+                decode_header(payload)
         else:
             assert decode_header(payload) == changed
 
