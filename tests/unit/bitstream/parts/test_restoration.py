@@ -16,7 +16,6 @@ from sgicodec.errors import CorruptStreamError, LimitError, UnsupportedStreamErr
 from sgicodec.model.restoration import Restoration
 from sgicodec.rdoq.objective import with_values
 
-
 OWN = another_network()
 
 
