@@ -15,7 +15,6 @@ import numpy as np
 
 from benchmarks._turns import median_seconds
 from benchmarks.paper.jobs import REDUCTION, Job, Method
-from benchmarks.paper.learned_distance import learned_distance
 from benchmarks.paper.rows import PaperRow
 from sgicodec import NullListener, encode_picture
 from sgicodec.bench.codec import Pixels8
@@ -27,6 +26,7 @@ from sgicodec.decoder.stream import open_stream
 from sgicodec.device import Device
 from sgicodec.errors import SgiError
 from sgicodec.fit.trainer import Progress
+from sgicodec.metrics.learned import learned_distance, network
 from sgicodec.metrics.scores import scores
 from sgicodec.picture import Picture
 from sgicodec.profiles import PROFILES
@@ -165,7 +165,7 @@ class Bench:
             self._bare(job, sample, original),
             psnr=found.psnr,
             ssim=found.ssim,
-            lpips=learned_distance(original, decoded),
+            lpips=learned_distance("lpips", original, decoded) if network("lpips") else None,
         )
 
     def _of_stream(self, row: PaperRow, coded: Coded) -> PaperRow:

@@ -30,6 +30,15 @@ _PEERS = ("jpeg", "jpegli", "jpeg2000", "webp", "jxl", "avif-iq", "avif", "avif-
 _PUBLISHED = ("coolchic5",)
 _CODECS = ("sgi", *_PEERS, *_PUBLISHED)
 _FILE = click.Path(path_type=Path)
+_PERCEIVED = {
+    "ssimulacra2": ("SSIMULACRA 2", 2),
+    "butteraugli": ("Butteraugli 3-norm", 3),
+    "flip": ("FLIP", 4),
+    "cvvdp": ("ColorVideoVDP", 3),
+    "lpips": ("LPIPS", 4),
+    "dists": ("DISTS", 4),
+}
+"""The fields of `Perceived`: title, and digits behind the point."""
 
 
 @click.command()
@@ -143,7 +152,8 @@ def compare(
 ) -> None:
     """Print how far picture B is from picture A, files or URLs: PSNR, luma PSNR, SSIM and MS-SSIM. Streams are decoded.
 
-    SSIMULACRA 2 and Butteraugli follow where they are installed, of the pictures as 8-bit RGB.
+    SSIMULACRA 2, Butteraugli and other scores for the eye follow where they are installed, of the pictures as 8-bit
+    RGB.
     """
     require("scipy", "sgi compare", "bench")
     from sgicodec.bench.run import to_rgb
@@ -173,14 +183,9 @@ def compare(
         click.echo(f"luma PSNR           {found.luma_psnr:.3f} dB")
         click.echo(f"SSIM                {found.ssim:.5f}")
         click.echo(f"MS-SSIM             {found.ms_ssim:.5f}")
-        if seen.ssimulacra2 is not None:
-            click.echo(f"SSIMULACRA 2        {seen.ssimulacra2:.2f}")
-        if seen.butteraugli is not None:
-            click.echo(f"Butteraugli 3-norm  {seen.butteraugli:.3f}")
-        if seen.flip is not None:
-            click.echo(f"FLIP                {seen.flip:.4f}")
-        if seen.cvvdp is not None:
-            click.echo(f"ColorVideoVDP       {seen.cvvdp:.3f}")
+        for name, (title, digits) in _PERCEIVED.items():
+            if (value := getattr(seen, name)) is not None:
+                click.echo(f"{title:<20}{value:.{digits}f}")
         click.echo(f"largest difference  {largest:g}")
     if map_path is not None:
         _write_map(map_path, error_map(first, second, gain=gain))

@@ -65,5 +65,7 @@ MEASURES = {
     ),
     "flip": Measure("FLIP (less is better)", "FLIP (-dB)", lambda row: _decibels(row.flip), shown=_undone),
     "cvvdp": Measure("ColorVideoVDP", "ColorVideoVDP", lambda row: math.nan if row.cvvdp is None else row.cvvdp),
+    "lpips": Measure("LPIPS (less is better)", "LPIPS (-dB)", lambda row: _decibels(row.lpips), shown=_undone),
+    "dists": Measure("DISTS (less is better)", "DISTS (-dB)", lambda row: _decibels(row.dists), shown=_undone),
 }
 """By the name in results and summaries."""

@@ -62,7 +62,7 @@ def _style(summary: Summary, codec: str) -> dict[str, Any]:
     }
 
 
-_DRAWN = ("psnr", "ms_ssim", "ssimulacra2", "butteraugli", "flip", "cvvdp")
+_DRAWN = ("psnr", "ms_ssim", "ssimulacra2", "butteraugli", "flip", "cvvdp", "lpips", "dists")
 """Measures that have a panel for each picture."""
 
 

@@ -46,6 +46,8 @@ class Row:
     butteraugli: float | None = None
     flip: float | None = None
     cvvdp: float | None = None
+    lpips: float | None = None
+    dists: float | None = None
 
     @property
     def key(self) -> Key:

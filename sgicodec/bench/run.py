@@ -19,7 +19,7 @@ from sgicodec.bench.published import PublishedCurves
 from sgicodec.bench.rows import Key, Results, Row
 from sgicodec.bench.summary import Summary, summarise
 from sgicodec.errors import PictureError, SgiError, UsageError
-from sgicodec.metrics.perceptual import SMALLEST, Perceived, perceived
+from sgicodec.metrics.perceptual import Perceived, perceived
 from sgicodec.metrics.scores import scores
 
 __all__ = ["Sample", "find_pictures", "load_sample", "run_bench", "to_rgb"]
@@ -140,9 +140,9 @@ def run_bench(
 
 def _is_complete(row: Row | None) -> bool:
     """Whether a row is there and has all that this machine can measure."""
-    if row is None or min(row.width, row.height) < SMALLEST:
-        return row is not None
-    return all(getattr(row, name) is not None for name in Perceived.available())
+    if row is None:
+        return False
+    return all(getattr(row, name) is not None for name in Perceived.available(min(row.width, row.height)))
 
 
 def load_sample(path: Path) -> Sample:

@@ -30,7 +30,7 @@ __all__ = [
 
 RATES = (0.15, 0.2, 0.3, 0.5, 0.75, 1.0)  # bits per pixel
 
-AT_RATES = ("psnr", "ssimulacra2", "butteraugli", "flip", "cvvdp")
+AT_RATES = ("psnr", "ssimulacra2", "butteraugli", "flip", "cvvdp", "lpips", "dists")
 """Measures whose means at these rates are told."""
 
 

@@ -1,4 +1,4 @@
-"""Measures made to agree with what people see: SSIMULACRA 2, Butteraugli, FLIP and ColorVideoVDP.
+"""Measures made to agree with what people see: SSIMULACRA 2, Butteraugli, FLIP, ColorVideoVDP, LPIPS and DISTS.
 
 All are optional and take 8-bit sRGB. The encoder follows the first two, so that the others judge it better.
 """
@@ -6,13 +6,14 @@ All are optional and take 8-bit sRGB. The encoder follows the first two, so that
 from __future__ import annotations
 
 import io
+import math
 import re
 import shutil
 import subprocess
 import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -21,13 +22,13 @@ import numpy as np
 import numpy.typing as npt
 
 from sgicodec.errors import SgiError
+from sgicodec.metrics.learned import learned_distance, network
 
-__all__ = ["SMALLEST", "Perceived", "butteraugli", "cvvdp", "flip", "perceived", "ssimulacra2"]
+__all__ = ["Perceived", "butteraugli", "cvvdp", "flip", "perceived", "ssimulacra2"]
 
 Rgb8 = npt.NDArray[np.uint8]  # [H, W, 3]
 
 _COMMAND = "butteraugli_main"
-SMALLEST = 8  # pixels; below, SSIMULACRA 2 and Butteraugli give the best of values to any two pictures
 
 
 @dataclass(frozen=True)
@@ -42,17 +43,20 @@ class Perceived:
     """Mean of the map, 0 to 1, less is better."""
     cvvdp: float | None = None
     """Up to 10 (just-objectionable differences), more is better."""
+    lpips: float | None = None
+    """A distance, less is better."""
+    dists: float | None = None
+    """0 to 1, less is better."""
 
     @staticmethod
-    def available() -> tuple[str, ...]:
-        """The names of the measures that this machine can take."""
-        return tuple(name for name, measure in _MEASURES.items() if measure.is_installed())
+    def available(side: float = math.inf) -> tuple[str, ...]:
+        """The names of the measures that this machine can take of pictures whose shorter side has these pixels."""
+        return tuple(name for name, each in _MEASURES.items() if side >= each.smallest and each.is_installed())
 
 
 def perceived(a: Rgb8, b: Rgb8) -> Perceived:
-    """All measures of two pictures; None for what is not installed, and where a side is under 8 pixels."""
-    known = Perceived.available() if min(a.shape[:2]) >= SMALLEST else ()
-    return Perceived(**{name: _MEASURES[name].take(a, b) for name in known})
+    """All measures of two pictures; None for what is not installed, and of pictures that are too small for it."""
+    return Perceived(**{name: _MEASURES[name].take(a, b) for name in Perceived.available(min(a.shape[:2]))})
 
 
 def ssimulacra2(a: Rgb8, b: Rgb8) -> float:
@@ -104,10 +108,17 @@ def _video_vdp() -> Any:
 
 
 class _Measure(NamedTuple):
-    """is_installed: whether this machine can take it; take: its value for an original and a decoded picture."""
+    """is_installed: whether this machine can take it; take: its value for an original and a decoded picture; smallest:
+    the least pixels of a side. Below 8 SSIMULACRA 2 and Butteraugli give the best of values to any two pictures.
+    """
 
     is_installed: Callable[[], bool]
     take: Callable[[Rgb8, Rgb8], float]
+    smallest: int = 8
+
+
+def _learned(name: str) -> _Measure:
+    return _Measure(lambda: network(name) is not None, partial(learned_distance, name), 32)
 
 
 def _has(module: str) -> Callable[[], bool]:
@@ -119,6 +130,8 @@ _MEASURES = {
     "butteraugli": _Measure(lambda: shutil.which(_COMMAND) is not None, butteraugli),
     "flip": _Measure(_has("flip_evaluator"), flip),
     "cvvdp": _Measure(_has("pycvvdp"), cvvdp),
+    "lpips": _learned("lpips"),
+    "dists": _learned("dists"),
 }
 """By the fields of `Perceived`. They come with the extras `bench` and `scores`, and Debian's libjxl-devtools."""
 

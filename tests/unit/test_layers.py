@@ -31,8 +31,9 @@ FLOORS = (
 HOMES = {
     "constriction": ("sgicodec/bitstream/entropy/",),
     "OpenImageIO": ("sgicodec/image/",),
-    "torch": ("tools/", "benchmarks/_cuda_reference.py", "benchmarks/paper/learned_distance.py"),
-    "lpips": ("benchmarks/paper/learned_distance.py",),
+    "torch": ("tools/", "benchmarks/_cuda_reference.py", "sgicodec/metrics/learned.py"),
+    "torchmetrics": ("sgicodec/metrics/learned.py",),
+    "torchvision": ("sgicodec/metrics/learned.py",),
     "rich": ("sgicodec/cli/", "sgicodec/bench/", "benchmarks/"),
     "isal": ("sgicodec/image/png_output.py",),
     "threadpoolctl": ("sgicodec/encoder/tiles/runner.py", "benchmarks/raster.py"),

@@ -123,6 +123,7 @@ def test_compare_prints_the_figures(tmp_path: Path) -> None:
     lines = call(compare, a, b).stdout.splitlines()
     expected = f"{20 * math.log10(255 / 5):.3f} dB"
     known = {"ssimulacra2": "SSIMULACRA", "butteraugli": "Butteraugli", "flip": "FLIP", "cvvdp": "ColorVideoVDP"}
+    known |= {"lpips": "LPIPS", "dists": "DISTS"}
     scores = [known[name] for name in Perceived.available()]
     assert [line.split(maxsplit=1)[0] for line in lines] == ["PSNR", "luma", "SSIM", "MS-SSIM", *scores, "largest"]
     assert lines[0].endswith(expected)

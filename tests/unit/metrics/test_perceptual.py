@@ -19,12 +19,13 @@ def photo(name: str) -> np.ndarray:
 
 
 def test_small_pictures_have_no_score() -> None:
-    """Both programs would call any two of them equal."""
+    """SSIMULACRA 2 and Butteraugli would call any two of them equal."""
     assert perceived(np.zeros((7, 30, 3), np.uint8), np.full((7, 30, 3), 200, np.uint8)) == Perceived()
 
 
 def test_what_is_missing_is_unknown(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(perceptual, "find_spec", lambda name: None)
+    monkeypatch.setattr(perceptual, "network", lambda name: None)
     monkeypatch.setattr(perceptual.shutil, "which", lambda name: None)
     assert Perceived.available() == ()
     assert perceived(photo("kodim23"), photo("kodim23")) == Perceived()
