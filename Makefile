@@ -17,12 +17,13 @@ INPUTS := pyproject.toml constraints.txt CMakeLists.txt $(shell find native cuda
   $(shell find sgicodec/bitstream -name '*.bin')
 
 .DEFAULT_GOAL := help
-.PHONY: viewer test-viewer help setup setup-dev demo test test-all asan asan-kernels fuzz bench lint format wheel release clean
+.PHONY: viewer test-viewer help setup setup-dev demo test test-all first-minutes asan asan-kernels fuzz bench lint format wheel release clean
 
 help:
 	@echo "make demo       encode and decode a bundled photograph and measure the difference"
 	@echo "make test       run the tests, but for the slow ones, in four minutes on two processors"
 	@echo "make test-all   run all tests, with all examples; ARGS='-k nodata' chooses, for both"
+	@echo "make first-minutes  what newcomers do first, each in a new environment with a wheel: times to first success"
 	@echo "make viewer     compile the viewer's decoder to WebAssembly; make test-viewer: and test the viewer in Chromium"
 	@echo "make fuzz       decode hostile streams for a minute: make fuzz SECONDS=3600"
 	@echo "make asan       compile with AddressSanitizer and UBSan, run tests and fuzz with all instruction sets"
@@ -81,6 +82,12 @@ test: setup-dev
 
 test-all: setup-dev
 	$(PYTEST) --hypothesis-profile full $(ARGS)
+
+# One after the other, so that their times are their own. What is missing for the viewer is skipped.
+first-minutes: setup-dev
+	rm -rf build/first-minutes
+	$(PIP) wheel --no-deps -C build-dir=build/first-minutes/objects -w build/first-minutes .
+	$(BIN)/python -m pytest -s tests/system/first_minutes -o tmp_path_retention_policy=failed --wheel $$(echo build/first-minutes/*.whl) $(ARGS)
 
 # Streams that end in a new way are kept in build/fuzz, with the seeds of all runs in its log.txt.
 SECONDS ?= 60

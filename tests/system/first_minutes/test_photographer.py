@@ -1,4 +1,4 @@
-"""The first minutes of a photographer: a page of photographs in Chromium."""
+"""The first minutes of a photographer: streams of photographs, and a page of them in Chromium."""
 
 from __future__ import annotations
 
@@ -6,11 +6,8 @@ import functools
 import json
 import os
 import shutil
-import subprocess
-import sys
 import threading
-import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
@@ -18,6 +15,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from data_files import ROOT
+from newcomer import Newcomer
 from PIL import Image
 
 import sgicodec
@@ -37,23 +35,15 @@ pytestmark = pytest.mark.slow
 
 
 @pytest.fixture
-def photos(tmp_path: Path) -> Path:
-    """Two photographs as cameras write them, turned by EXIF; the folder is the photographer's home, too."""
+def photographer(newcomer: Newcomer) -> Newcomer:
+    """Has two photographs as cameras write them, turned by EXIF."""
     exif = Image.Exif()
     exif[274], exif[271] = 6, "A camera"  # orientation, make
     for name in ("kodim13", "kodim23"):
         pixels = sgicodec.read(ROOT / "tests" / "data" / f"{name}.png").pixels[100:400, 100:600]
-        Image.fromarray(np.rot90(pixels)).save(tmp_path / f"{name}.jpg", quality=95, exif=exif)
-    return tmp_path
-
-
-def run(folder: Path, *command: str) -> str:
-    """What a command prints, of a user with nothing but this folder and what is installed."""
-    environment = {"HOME": str(folder), "PATH": f"{Path(sys.executable).parent}:/usr/local/bin:/usr/bin:/bin"}
-    kept = {name: os.environ[name] for name in ("CHROMIUM",) if name in os.environ}
-    done = subprocess.run(command, cwd=folder, env=environment | kept, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
-    return done.stdout
+        Image.fromarray(np.rot90(pixels)).save(newcomer.home / f"{name}.jpg", quality=95, exif=exif)
+    newcomer.install()
+    return newcomer
 
 
 @contextmanager
@@ -73,20 +63,30 @@ def served(folder: Path) -> Iterator[str]:
             thread.join()
 
 
+def test_photographs_and_back(photographer: Newcomer, reached: Callable[[str], None]) -> None:
+    """As the README says: upright, with what the camera said, and smaller."""
+    photographer.run("sgi", "encode", "kodim13.jpg", "kodim23.jpg", "--output-dir", "streams")
+    photographer.run("sgi", "decode", "streams/kodim13.sgi", "decoded.jpg")
+    reached("two photographs as streams, one as a JPEG again")
+    decoded, source = (Image.open(photographer.home / name) for name in ("decoded.jpg", "kodim13.jpg"))
+    assert (decoded.size, decoded.getexif()[271], decoded.getexif().get(274, 1)) == ((500, 300), "A camera", 1)
+    error = np.asarray(decoded).astype(int) - np.rot90(np.asarray(source), -1)
+    assert np.abs(error).mean() < 12
+    size = (photographer.home / "streams" / "kodim13.sgi").stat().st_size
+    assert size < (photographer.home / "kodim13.jpg").stat().st_size / 4
+
+
 @pytest.mark.skipif(not HAS_PAGE, reason="needs make test-viewer's node modules, Chromium and the viewer's WebAssembly")
-def test_a_page_of_them(photos: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    gallery, shot = str(ROOT / "examples" / "web_gallery.py"), photos / "shot.png"
-    started = time.monotonic()
-    run(photos, "python", gallery, "kodim13.jpg", "kodim23.jpg", "--out", "made")
-    with served(photos / "made") as address:
-        found = json.loads(run(photos, "node", str(Path(__file__).with_name("look.js")), address, str(shot)))
-    seconds = time.monotonic() - started
+def test_a_page_of_them(photographer: Newcomer, reached: Callable[[str], None]) -> None:
+    gallery, look = ROOT / "examples" / "web_gallery.py", Path(__file__).with_name("look.js")
+    photographer.run("python", gallery, "kodim13.jpg", "kodim23.jpg", "--out", "made")
+    with served(photographer.home / "made") as address:
+        found = json.loads(photographer.run("node", look, address, "shot.png"))
+    reached("a page of two photographs in Chromium")
     assert found["errors"] == []
     assert found["viewed"] == "kodim13.jpg.sgi"
     assert [0 < picture["width"] < 500 for picture in found["pictures"]] == [True, True]
-    seen = np.asarray(Image.open(shot).convert("RGB")).astype(int)
+    seen = np.asarray(Image.open(photographer.home / "shot.png").convert("RGB")).astype(int)
     height, width = seen.shape[:2]
-    expected = sgicodec.imread(photos / "made" / "streams" / "kodim13.jpg.sgi", size=(width, height))
-    assert np.abs(seen - expected).max() <= 1
-    with capsys.disabled():
-        print(f"\n  photographer: from photographs to a page of them in Chromium in {seconds:.1f} s")
+    stream = photographer.home / "made" / "streams" / "kodim13.jpg.sgi"
+    assert np.abs(seen - sgicodec.imread(stream, size=(width, height))).max() <= 1
