@@ -136,8 +136,11 @@ def without_needless_alpha(windows: Windows, plan: Plan, listener: NullListener)
     elif alpha == "hiding" and plan.header.masked == "transparent":
         listener.note("alpha is 0 everywhere; it is left out, and the colours are kept")
     else:
-        if alpha_index(plan.header.channels) is not None and geo.has_place(windows.shape.metadata.geo):
-            listener.note(_BAND_AS_ALPHA + (_NOT_KEPT if plan.header.masked == "transparent" else ""))
+        has_alpha, masked = alpha_index(plan.header.channels) is not None, plan.header.masked
+        if has_alpha and geo.has_place(windows.shape.metadata.geo):
+            listener.note(_BAND_AS_ALPHA + (_NOT_KEPT if masked == "transparent" else ""))
+        if has_alpha and masked == "nodata" and plan.settings.max_error is None:
+            listener.note(_ALPHA_AND_NODATA)
         return windows, plan
     windows = _Colours(windows)
     return windows, stream_plan(windows.shape, plan.settings)
@@ -148,6 +151,9 @@ _BAND_AS_ALPHA = (
     "a band (--alpha band)"
 )
 _NOT_KEPT = ": where it is 0, the others are not kept"
+_ALPHA_AND_NODATA = (
+    "there is a nodata value besides alpha: alpha is lossy, also where it is 0; --lossless and --max-error keep it"
+)
 
 
 def _everywhere(windows: Windows, grid: TileGrid) -> Literal["opaque", "hiding"] | None:
