@@ -2,7 +2,7 @@
 
 The modules from the bottom up: `bdrate` (curves), `codec` (what a codec must offer), `peer`, `optional_peers`, `peers`,
 `published` and `sgi` (the codecs), `rows` and `cache` (results on disk), `measures` (what is compared), `run` (the
-measurement), `summary`, `tables` and `plots` (what follows from the rows), `sized`, `places` and `sheets` (contact
-sheets), `command` (the command line). scipy, ssimulacra2, pillow, imagecodecs and matplotlib come with the extra
-`sgicodec[bench]`, jpegli and VVenC with `sgicodec[peers]`.
+measurement), `lossless` (that of exact samples), `summary`, `tables` and `plots` (what follows from the rows), `sized`,
+`places` and `sheets` (contact sheets), `command` (the command line). scipy, ssimulacra2, pillow, imagecodecs and
+matplotlib come with the extra `sgicodec[bench]`, jpegli and VVenC with `sgicodec[peers]`.
 """

@@ -5,12 +5,14 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol, TypeVar
+from typing import NamedTuple, Protocol, TypeVar
 
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["Codec", "Pixels8", "RoundTrip", "timed"]
+from sgicodec.metrics.psnr import Pixels
+
+__all__ = ["Codec", "Coded", "Pixels8", "RoundTrip", "timed"]
 
 Pixels8 = npt.NDArray[np.uint8]  # [H, W, 3]
 Result = TypeVar("Result")
@@ -33,6 +35,17 @@ class RoundTrip:
     encode_seconds: float
     decode_seconds: float
     peak_mib: float | None = None
+
+
+class Coded(NamedTuple):
+    """One picture encoded and decoded within a greatest error: bytes, samples, and processor seconds, None where the
+    system does not tell.
+    """
+
+    bytes: int
+    pixels: Pixels
+    encode_seconds: float | None
+    decode_seconds: float | None
 
 
 class Codec(Protocol):

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
     from sgicodec.bench.cache import PeerCache
     from sgicodec.bench.codec import Codec
+    from sgicodec.bench.sgi import SgiCodec
     from sgicodec.picture import Picture
 
 __all__ = ["bench", "compare"]
@@ -53,6 +54,8 @@ _PERCEIVED = {
 @click.option("--sheets", type=_FILE, metavar="FOLDER", help="Draw details by all codecs at equal bytes as PNG files.")
 @click.option("--sheet-rates", default="0.25,0.5,0.8", show_default=True, help="Bits per pixel of these sheets.")
 @click.option("--sheet-place", "sheet_places", multiple=True, metavar="X,Y", help="Show this place, repeatable.")
+@click.option("--lossless", is_flag=True, help="Measure bytes without loss instead of curves: --max-error 0.")
+@click.option("--max-error", "errors", multiple=True, type=click.FloatRange(0), help="… within N levels, repeatable.")
 @click.option("--curves/--no-curves", default=True, show_default=True, help="Measure curves; without, only --sheets.")
 @click.option("--plots/--no-plots", default=True, show_default=True, help="Draw the curves as PNG files.")
 @click.option("--json", "as_json", is_flag=True, help="Print the summary as JSON instead of tables.")
@@ -68,6 +71,8 @@ def bench(
     sheets: Path | None,
     sheet_rates: str,
     sheet_places: tuple[str, ...],
+    lossless: bool,
+    errors: tuple[float, ...],
     curves: bool,
     plots: bool,
     as_json: bool,
@@ -80,21 +85,27 @@ def bench(
 
     With --sheets every picture has a sheet for each rate: its busiest place, and that where the codecs differ
     most, or those of --sheet-place, by every codec in the same number of bytes.
+
+    With --lossless and --max-error every codec (sgi, png, jpegls, webp, lerc, jxl) gets each picture's own samples, of
+    any depth and number of bands, and its bytes and processor seconds go to OUT/lossless.tsv.
     """
+    errors = ((0.0,) if lossless else ()) + errors
+    if errors:
+        if sheets is not None:
+            raise UsageError("--sheets shows curves' codecs, and goes without --lossless and --max-error")
+        _measure_lossless(places, codecs, errors, efforts, variants, threads, out, as_json)
+        return
     for library in ("scipy", "matplotlib") if plots and curves else ("scipy",):
         require(library, "sgi bench", "bench")
     from sgicodec.bench.cache import PeerCache
-    from sgicodec.bench.run import find_pictures
 
-    wanted = _wanted(codecs)
+    wanted = _wanted(codecs, _CODECS)
     rates = [] if sheets is None else numbers(sheet_rates, "--sheet-rates")
     shown = [place(text, "--sheet-place") for text in sheet_places]
     chosen = _choose_codecs(wanted, codecs is not None, threads)
     if "sgi" in wanted:
         chosen = [*_sgi_curves(qualities, efforts, variants, threads), *chosen]
-    if remote := [name for name in places if is_url(name)]:
-        raise UsageError(f"{remote[0]}: sgi bench measures files, not URLs; fetch it first")
-    pictures = find_pictures([Path(name) for name in places])
+    pictures = _pictures(places)
     cache = None if cache_folder is None else PeerCache(cache_folder)
     if sheets is not None:
         from sgicodec.bench.sheets import write_sheets
@@ -103,6 +114,14 @@ def bench(
     if curves:
         published = [name for name in wanted if name in _PUBLISHED]
         _measure_curves(pictures, chosen, published, cache, out, plots, as_json)
+
+
+def _pictures(places: Sequence[str]) -> list[Path]:
+    from sgicodec.bench.run import find_pictures
+
+    if remote := [name for name in places if is_url(name)]:
+        raise UsageError(f"{remote[0]}: sgi bench measures files, not URLs; fetch it first")
+    return find_pictures([Path(name) for name in places])
 
 
 def _report(line: str) -> None:
@@ -135,8 +154,40 @@ def _measure_curves(
         click.echo(text)
     else:
         print_summary(summary, Console())
-    if summary.failures:
-        raise SgiError(f"{len(summary.failures)} points failed, the first of them: {summary.failures[0]}")
+    _check_failures(summary.failures)
+
+
+def _measure_lossless(
+    places: Sequence[str],
+    codecs: str | None,
+    errors: Sequence[float],
+    efforts: str,
+    variants: tuple[str, ...],
+    threads: int,
+    out: Path,
+    as_json: bool,
+) -> None:
+    from rich.console import Console
+
+    from sgicodec.bench.lossless import PEERS, LosslessCodec, measure_lossless
+    from sgicodec.bench.tables import print_lossless
+
+    wanted = _wanted(codecs, ("sgi", *PEERS))
+    chosen: list[LosslessCodec] = []
+    if "sgi" in wanted:
+        chosen += _sgi_curves("", efforts, variants, threads)
+    chosen += [PEERS[name] for name in wanted if name != "sgi"]
+    rows, failures = measure_lossless(_pictures(places), chosen, errors, out, _report)
+    if as_json:
+        click.echo(json.dumps([dataclasses.asdict(row) for row in rows], indent=2))
+    elif rows:
+        print_lossless(rows, Console())
+    _check_failures(failures)
+
+
+def _check_failures(failures: Sequence[str]) -> None:
+    if failures:
+        raise SgiError(f"{len(failures)} points failed, the first of them: {failures[0]}")
 
 
 @click.command()
@@ -233,10 +284,10 @@ def _write_map(path: str, pixels: npt.NDArray[np.uint8]) -> None:
     write(Picture(shown, layout, (0.0, 255.0)), path)
 
 
-def _wanted(names: str | None) -> Sequence[str]:
-    wanted = _CODECS if names is None else [name.strip() for name in names.split(",")]
-    if unknown := [name for name in wanted if name not in _CODECS]:
-        raise UsageError(f"no codec is called {unknown[0]!r}; there are {', '.join(_CODECS)}")
+def _wanted(names: str | None, known: Sequence[str]) -> Sequence[str]:
+    wanted = known if names is None else [name.strip() for name in names.split(",")]
+    if unknown := [name for name in wanted if name not in known]:
+        raise UsageError(f"no codec is called {unknown[0]!r}; there are {', '.join(known)}")
     return wanted
 
 
@@ -252,14 +303,14 @@ def _choose_codecs(wanted: Sequence[str], by_name: bool, threads: int) -> list[C
     return peers
 
 
-def _sgi_curves(qualities: str, efforts: str, variants: tuple[str, ...], threads: int) -> list[Codec]:
+def _sgi_curves(qualities: str, efforts: str, variants: tuple[str, ...], threads: int) -> list[SgiCodec]:
     """Sgi at each effort with each variant's options; a profile without qualities has points of its own."""
     from sgicodec.bench.ladders import ladder_of
     from sgicodec.bench.sgi import SgiCodec
 
     asked = tuple(sorted(numbers(qualities, "--qualities")))
     levels: list[int | None] = [int(level) for level in numbers(efforts, "--efforts")]
-    curves: list[Codec] = []
+    curves: list[SgiCodec] = []
     for label, given in [variant(text, "--sgi") for text in variants] or [("", ())]:
         scale = ladder_of(given)
         points = asked if scale.has_efforts else scale.values

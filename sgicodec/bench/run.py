@@ -20,9 +20,10 @@ from sgicodec.bench.rows import Key, Results, Row
 from sgicodec.bench.summary import Summary, summarise
 from sgicodec.errors import PictureError, SgiError, UsageError
 from sgicodec.metrics.perceptual import Perceived, perceived
+from sgicodec.metrics.psnr import Pixels
 from sgicodec.metrics.scores import scores
 
-__all__ = ["Sample", "find_pictures", "load_sample", "run_bench", "to_rgb"]
+__all__ = ["Sample", "checksum", "find_pictures", "load_sample", "name_of", "run_bench", "to_rgb"]
 
 _SUFFIXES = {
     ".png",
@@ -51,8 +52,17 @@ class Sample:
     @classmethod
     def of(cls, name: str, pixels: Pixels8) -> Sample:
         """With the checksum of its size and samples."""
-        crc = zlib.crc32(pixels.tobytes(), zlib.crc32(f"{pixels.shape[1]}x{pixels.shape[0]}:".encode()))
-        return cls(name, f"{crc:08x}", pixels)
+        return cls(name, checksum(pixels), pixels)
+
+
+def checksum(pixels: Pixels) -> str:
+    """The CRC-32 of size and samples, in hexadecimal."""
+    return f"{zlib.crc32(pixels.tobytes(), zlib.crc32(f'{pixels.shape[1]}x{pixels.shape[0]}:'.encode())):08x}"
+
+
+def name_of(path: Path) -> str:
+    """A file's name in rows: a tab, a line break or bytes that are no text would break them."""
+    return " ".join(os.fsencode(path.name).decode("utf-8", "replace").split())
 
 
 def find_pictures(places: Sequence[Path]) -> list[Path]:
@@ -150,10 +160,7 @@ def load_sample(path: Path) -> Sample:
     from sgicodec.image.reader import read
     from sgicodec.picture import convert
 
-    pixels = to_rgb(convert(read(path), 8).pixels)
-    # A tab, a line break or bytes that are no text would break the row.
-    name = " ".join(os.fsencode(path.name).decode("utf-8", "replace").split())
-    return Sample.of(name, pixels)
+    return Sample.of(name_of(path), to_rgb(convert(read(path), 8).pixels))
 
 
 def _points(sample: Sample, codecs: Sequence[Codec], versions: dict[str, str]) -> Iterator[tuple[Key, Codec, float]]:

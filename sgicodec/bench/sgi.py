@@ -16,9 +16,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sgicodec.bench.codec import Pixels8, RoundTrip
+from sgicodec.bench.codec import Coded, Pixels8, RoundTrip
 from sgicodec.bench.ladders import QUALITIES, ladder_of
 from sgicodec.errors import SgiError, require
+from sgicodec.metrics.psnr import Pixels
 
 __all__ = ["Run", "SgiCodec", "fingerprint", "run_timed"]
 
@@ -56,10 +57,15 @@ class SgiCodec:
             number = "source"
         return f"{number}+{fingerprint(_PACKAGE)}"
 
-    def settings(self, quality: float) -> str:
+    @property
+    def fixed_settings(self) -> str:
+        """All but the quality or the greatest error, in one line."""
         effort = "default" if self.effort is None else self.effort
         further = f" {shlex.join(self.options)}" if self.options else ""
-        return f"{ladder_of(self.options).name}={quality:g} effort={effort} threads={self.threads}{further}"
+        return f"effort={effort} threads={self.threads}{further}"
+
+    def settings(self, quality: float) -> str:
+        return f"{ladder_of(self.options).name}={quality:g} {self.fixed_settings}"
 
     def round_trip(self, pixels: Pixels8, quality: float) -> RoundTrip:
         """Write a PNG, encode and decode by command, read the PNG. Raises SgiError if a command fails."""
@@ -70,24 +76,42 @@ class SgiCodec:
         """The same towards a size in bytes, which the stream does not exceed. Raises SgiError if a command fails."""
         return self._trip(pixels, ("--size", str(size)))
 
+    def takes(self, pixels: Pixels, max_error: float) -> bool:
+        """Whether samples can be brought back at all: always."""
+        return True
+
+    def coded(self, path: Path, pixels: Pixels, max_error: float) -> Coded:
+        """Encode a file within a greatest error, without its metadata, decode to TIFF. Raises SgiError if a command
+        fails.
+        """
+        from sgicodec.image.reader import read
+
+        with tempfile.TemporaryDirectory(prefix="sgi-bench-") as folder:
+            stream, result = Path(folder, "out.sgi"), Path(folder, "rec.tif")
+            encoded, decoded = self._run(path, stream, result, ("--max-error", str(max_error), "--no-metadata"))
+            return Coded(stream.stat().st_size, read(result).pixels, encoded.cpu, decoded.cpu)
+
     def _trip(self, pixels: Pixels8, target: tuple[str, ...]) -> RoundTrip:
         from PIL import Image
 
         with tempfile.TemporaryDirectory(prefix="sgi-bench-") as folder:
             source, stream, result = (Path(folder, name) for name in ("in.png", "out.sgi", "rec.png"))
             Image.fromarray(pixels).save(source, compress_level=1)
-            options = [*target, "-f", "--quiet", "--no-verify", "--threads", str(self.threads)]
-            if self.effort is not None:
-                options += ["-e", str(self.effort)]
-            options += self.options
-            encoded = run_timed([*self.command, "encode", str(source), str(stream), *options])
-            decoded_by = run_timed([*self.command, "decode", str(stream), str(result), "-f"])
+            encoded, decoded_by = self._run(source, stream, result, target)
             with Image.open(result) as picture:
                 decoded = np.asarray(picture.convert("RGB"))
             peaks = [run.peak for run in (encoded, decoded_by) if run.peak is not None]
             return RoundTrip(
                 stream.read_bytes(), decoded, encoded.seconds, decoded_by.seconds, max(peaks, default=None)
             )
+
+    def _run(self, source: Path, stream: Path, result: Path, target: tuple[str, ...]) -> tuple[Run, Run]:
+        """Both commands. Raises SgiError if one fails."""
+        options = [*target, "-f", "--quiet", "--no-verify", "--threads", str(self.threads)]
+        if self.effort is not None:
+            options += ["-e", str(self.effort)]
+        encoded = run_timed([*self.command, "encode", str(source), str(stream), *options, *self.options])
+        return encoded, run_timed([*self.command, "decode", str(stream), str(result), "-f"])
 
 
 def fingerprint(package: Path) -> str:

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import math
-from itertools import groupby
+import statistics
+from collections.abc import Iterable, Sequence
+from itertools import groupby, product
 
 from rich.console import Console
 from rich.table import Table
 
+from sgicodec.bench.lossless import LosslessRow
 from sgicodec.bench.measures import MEASURES
 from sgicodec.bench.summary import AT_RATES, RATES, Comparison, Summary, is_sgi
 
-__all__ = ["print_summary"]
+__all__ = ["print_lossless", "print_summary"]
 
 
 def print_summary(summary: Summary, console: Console) -> None:
@@ -23,6 +26,39 @@ def print_summary(summary: Summary, console: Console) -> None:
     for title, own in groupby(summary.comparisons, _title):
         _print(console, title, _delta_table(list(own)))
     _print(console, "Times, mean of all points", _time_table(summary))
+
+
+def print_lossless(rows: Sequence[LosslessRow], console: Console) -> None:
+    """Print bytes by picture and greatest error; then the first codec's bytes against each other codec's, mean of
+    logarithms, and medians of processor seconds.
+    """
+    names = list(dict.fromkeys(row.codec for row in rows))
+    sizes = Table("picture", "±")
+    for name in names:
+        sizes.add_column(name, justify="right")
+    for (picture, crc, error), case in groupby(rows, lambda row: (row.picture, row.crc, row.max_error)):
+        found = {row.codec: f"{row.bytes:,}" for row in case}
+        sizes.add_row(f"{picture} {crc}", f"{error:g}", *(found.get(name, "–") for name in names))
+    _print(console, "Bytes with all samples within ± (– where a codec does not take them)", sizes)
+    means = Table("codec", "±")
+    for heading in ("pictures", f"{names[0]}, bytes in %", "encode s/MP", "decode s/MP"):
+        means.add_column(heading, justify="right")
+    for error, name in product(dict.fromkeys(row.max_error for row in rows), names):
+        by_name = {of: {(r.picture, r.crc): r for r in rows if (r.codec, r.max_error) == (of, error)} for of in names}
+        own, first = by_name[name], by_name[names[0]]
+        logs = [math.log(first[picture].bytes / row.bytes) for picture, row in own.items() if picture in first]
+        change = 100 * math.expm1(sum(logs) / len(logs)) if logs and name != names[0] else math.nan
+        if own:
+            encode, decode = (_median_pace(own.values(), way) for way in ("encode_seconds", "decode_seconds"))
+            cells = (_cell(change, "+.1f"), _cell(encode, ".2f"), _cell(decode, ".3f"))
+            means.add_row(name, f"{error:g}", str(len(own)), *cells)
+    _print(console, f"Bytes of {names[0]} against each, mean; processor seconds, median", means)
+
+
+def _median_pace(rows: Iterable[LosslessRow], way: str) -> float:
+    """Seconds a megapixel; not-a-number where the system does not tell."""
+    known = ((getattr(row, way), row.width * row.height / 1e6) for row in rows)
+    return statistics.median(math.nan if seconds is None else seconds / size for seconds, size in known)
 
 
 def _print(console: Console, title: str, table: Table) -> None:
