@@ -60,6 +60,14 @@ class Curve:
         found: npt.NDArray[np.float64] = PchipInterpolator(self.qualities, self.log_rates)(qualities)
         return found
 
+    def rate_at(self, quality: float) -> float:
+        """The least rate at which a quality is reached: the first point's where that is better, NaN where none is."""
+        if not len(self.qualities) or quality > self.qualities[-1]:
+            return math.nan
+        if quality <= self.qualities[0]:
+            return math.exp(self.log_rates[0])
+        return math.exp(self.log_rates_at(np.array([quality]))[0])
+
 
 def bd_rate(anchor: Curve, test: Curve, within: tuple[float, float] = (-math.inf, math.inf)) -> Delta:
     """Mean difference in rate of `test` against `anchor` at equal quality, in percent; negative is smaller.

@@ -54,6 +54,7 @@ _PERCEIVED = {
 @click.option("--sheets", type=_FILE, metavar="FOLDER", help="Draw details by all codecs at equal bytes as PNG files.")
 @click.option("--sheet-rates", default="0.25,0.5,0.8", show_default=True, help="Bits per pixel of these sheets.")
 @click.option("--sheet-place", "sheet_places", multiple=True, metavar="X,Y", help="Show this place, repeatable.")
+@click.option("--at-score", type=float, help="Tell the bytes at which curves reach this SSIMULACRA 2, too.")
 @click.option("--lossless", is_flag=True, help="Measure bytes without loss instead of curves: --max-error 0.")
 @click.option("--max-error", "errors", multiple=True, type=click.FloatRange(0), help="… within N levels, repeatable.")
 @click.option("--curves/--no-curves", default=True, show_default=True, help="Measure curves; without, only --sheets.")
@@ -71,6 +72,7 @@ def bench(
     sheets: Path | None,
     sheet_rates: str,
     sheet_places: tuple[str, ...],
+    at_score: float | None,
     lossless: bool,
     errors: tuple[float, ...],
     curves: bool,
@@ -113,7 +115,7 @@ def bench(
         write_sheets(pictures, chosen, rates, sheets, places=shown, cache=cache, report=_report)
     if curves:
         published = [name for name in wanted if name in _PUBLISHED]
-        _measure_curves(pictures, chosen, published, cache, out, plots, as_json)
+        _measure_curves(pictures, chosen, published, cache, out, at_score, plots, as_json)
 
 
 def _pictures(places: Sequence[str]) -> list[Path]:
@@ -134,6 +136,7 @@ def _measure_curves(
     published: list[str],
     cache: PeerCache | None,
     out: Path,
+    at_score: float | None,
     plots: bool,
     as_json: bool,
 ) -> None:
@@ -142,11 +145,11 @@ def _measure_curves(
     from sgicodec.bench.plots import write_plots
     from sgicodec.bench.published import PUBLISHED
     from sgicodec.bench.run import run_bench
-    from sgicodec.bench.tables import print_summary
+    from sgicodec.bench.tables import print_bytes_at, print_summary
 
     drawn = [PUBLISHED[name] for name in published]
     summary = run_bench(pictures, codecs, out, published=drawn, cache=cache, report=_report)
-    text = json.dumps(summary.to_json(), indent=2)
+    text = json.dumps(summary.to_json(at_score), indent=2)
     (out / "summary.json").write_text(text + "\n", "utf-8")
     if plots:
         write_plots(summary, out)
@@ -154,6 +157,8 @@ def _measure_curves(
         click.echo(text)
     else:
         print_summary(summary, Console())
+        if at_score is not None:
+            print_bytes_at(summary, at_score, Console())
     _check_failures(summary.failures)
 
 

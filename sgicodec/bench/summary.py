@@ -76,14 +76,25 @@ class Summary:
     comparisons: list[Comparison]
     failures: list[str]
 
-    def to_json(self) -> dict[str, Any]:
-        """A tree of plain values; what is not a number is null."""
+    def bytes_at(self, score: float) -> dict[str, dict[str, float]]:
+        """Bytes at which each codec's curve reaches a SSIMULACRA 2, by picture; NaN where it does not."""
+        sizes = {picture_label(row): row.width * row.height for row in self.rows}
+        by_codec = {name: curves(self.rows, name, "ssimulacra2") for name in self.codecs}
+        return {
+            picture: {name: own[picture].rate_at(score) * size / 8 for name, own in by_codec.items() if picture in own}
+            for picture, size in sizes.items()
+        }
+
+    def to_json(self, score: float | None = None) -> dict[str, Any]:
+        """A tree of plain values, with bytes at a score where one is given; what is not a number is null."""
+        at_score = {} if score is None else self.bytes_at(score)
         return {
             "pictures": self.pictures,
             "codecs": {name: sorted({row.version for row in self.rows if row.codec == name}) for name in self.codecs},
             **{f"mean_{measure}_at_bpp": _means_json(measure, means) for measure, means in self.means.items()},
             "times": {name: times(self.rows, name) for name in self.codecs},
             "comparisons": [_comparison_json(comparison) for comparison in self.comparisons],
+            "bytes_at_score": {of: {k: _plain(v) for k, v in own.items()} for of, own in at_score.items()},
             "failures": self.failures,
         }
 

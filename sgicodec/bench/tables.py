@@ -14,7 +14,7 @@ from sgicodec.bench.lossless import LosslessRow
 from sgicodec.bench.measures import MEASURES
 from sgicodec.bench.summary import AT_RATES, RATES, Comparison, Summary, is_sgi
 
-__all__ = ["print_lossless", "print_summary"]
+__all__ = ["print_bytes_at", "print_lossless", "print_summary"]
 
 
 def print_summary(summary: Summary, console: Console) -> None:
@@ -26,6 +26,25 @@ def print_summary(summary: Summary, console: Console) -> None:
     for title, own in groupby(summary.comparisons, _title):
         _print(console, title, _delta_table(list(own)))
     _print(console, "Times, mean of all points", _time_table(summary))
+
+
+def print_bytes_at(summary: Summary, score: float, console: Console) -> None:
+    """Print bytes at which codecs reach a SSIMULACRA 2; below, the first codec's against each other's, in the geometric
+    mean of pictures on which both do.
+    """
+    found, first = summary.bytes_at(score), summary.codecs[0]
+    table = Table("picture")
+    logs: dict[str, list[float]] = {}
+    for name in summary.codecs:
+        table.add_column(name, justify="right")
+        pairs = [own[first] / own[name] for own in found.values() if first in own and name in own]
+        logs[name] = [math.log(pair) for pair in pairs if name != first and not math.isnan(pair)]
+    for picture, own in found.items():
+        table.add_row(picture, *(_cell(own.get(name, math.nan), ",.0f") for name in summary.codecs))
+    table.add_section()
+    means = (100 * math.expm1(sum(own) / len(own)) if own else math.nan for own in logs.values())
+    table.add_row(f"{first} against it, %", *(_cell(mean, "+.1f") for mean in means))
+    _print(console, f"Bytes at SSIMULACRA 2 of {score:g} (– where a curve does not reach it)", table)
 
 
 def print_lossless(rows: Sequence[LosslessRow], console: Console) -> None:

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from rich.console import Console
 
 from sgicodec.bench.command import bench
 from sgicodec.bench.lossless import PEERS, LosslessPeer, LosslessRow, check_error, measure_lossless
@@ -120,8 +121,6 @@ def test_what_makes_no_sense_is_refused(tmp_path: Path) -> None:
 
 
 def test_tables_compare_the_first_codec_with_each() -> None:
-    from rich.console import Console
-
     def row(codec: str, picture: str, size: int) -> LosslessRow:
         return LosslessRow(codec, "1", "", picture, "0", 0.0, 1000, 500, 3, size, 0.25, None)
 

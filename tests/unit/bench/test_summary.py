@@ -9,10 +9,12 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from rich.console import Console
 
 from sgicodec.bench.plots import write_plots
 from sgicodec.bench.rows import Row
 from sgicodec.bench.summary import Summary, summarise
+from sgicodec.bench.tables import print_bytes_at, print_summary
 
 BPPS = (0.1, 0.2, 0.4, 0.8, 1.6)
 
@@ -86,13 +88,9 @@ def test_json_is_strict_and_complete() -> None:
     assert comparison["pictures"]["a.png 00000000"]["reason"] == "a curve has fewer than two usable points"
 
 
-def printed(summary: Summary) -> list[str]:
-    from rich.console import Console
-
-    from sgicodec.bench.tables import print_summary
-
+def printed(summary: Summary, show: Callable[[Summary, Console], None] = print_summary) -> list[str]:
     console = Console(file=io.StringIO(), width=100)
-    print_summary(summary, console)
+    show(summary, console)
     return console.file.getvalue().splitlines()
 
 
@@ -110,6 +108,20 @@ def test_tables_show_what_was_computed(summary: Summary) -> None:
     assert rates[-1] == "–"  # the curve of a.png ends at 0.96 bpp
     assert times == ["2.000", "0.500", "300"]
     assert any("BD-rate in % against jpeg of" in line for line in lines)
+
+
+def test_bytes_at_a_score() -> None:
+    """On the curve, where it begins above and where it ends below."""
+    points = [row("sgi", "a.png", bpp, 30, ssimulacra2=score) for bpp, score in ((0.5, 60), (1, 80), (2, 90))]
+    points += [row("webp", "a.png", bpp, 30, ssimulacra2=score) for bpp, score in ((0.4, 82), (1, 90))]
+    points += [row("jpeg", "a.png", bpp, 30, ssimulacra2=score) for bpp, score in ((0.4, 50), (1, 79))]
+    found = summarise(points, ["sgi", "webp", "jpeg"])
+    expected = {"sgi": 125000.0, "webp": 50000.0, "jpeg": None}
+    tree = json.loads(json.dumps(found.to_json(80), allow_nan=False))
+    assert tree["bytes_at_score"] == {"a.png 00000000": pytest.approx(expected)}
+    lines = printed(found, lambda summary, console: print_bytes_at(summary, 80, console))
+    assert cells(lines, "a.png 00000000") == [["125,000", "50,000", "–"]]
+    assert cells(lines, "sgi against it, %") == [["–", "+150.0", "–"]]
 
 
 def test_intervals_over_pictures(tmp_path: Path) -> None:
