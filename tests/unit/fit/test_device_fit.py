@@ -58,16 +58,6 @@ def test_the_loss_is_the_processors(prior: int, low_effort: bool, monkeypatch: p
     assert losses[0][1] == pytest.approx(losses[1][1], rel=2e-2)
 
 
-def test_two_fits_are_the_same_numbers(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Through pruning and growth."""
-    device = only_gpu(monkeypatch)
-    (first, *_), (second, *_) = (fit(default_settings(LMBDA, 60), device) for _ in range(2))
-    np.testing.assert_array_equal(first.layout.corner, second.layout.corner)
-    for name, values in first.attributes.items():
-        np.testing.assert_array_equal(values, second.attributes[name])
-        assert values.std() > 0
-
-
 @pytest.mark.parametrize("prior", [3, 0])
 def test_the_order_of_threads_and_blocks_changes_nothing(prior: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """In all kernels of a fit, with a prior and with a network that trains."""

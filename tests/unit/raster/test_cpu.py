@@ -40,17 +40,6 @@ def test_a_cutoff_leaves_out_no_more_than_the_tails(isa: str, cutoff: float) -> 
     assert error.max() > 0.01 * bound.max()  # it does cut
 
 
-@every_isa
-def test_a_smaller_cutoff_visits_fewer_tiles(isa: str) -> None:
-    scene = random_scene(np.random.default_rng(5), 40, 1, 200, 200, sigma=(5.0, 9.0))
-    pairs = []
-    for cutoff in (2.0, 3.5, 6.0):
-        raster = NativeRasterizer(Device(1, isa), cutoff)
-        raster.forward(*scene, 200, 200)
-        pairs.append(raster.tile_pairs)
-    assert pairs[0] < pairs[1] < pairs[2]
-
-
 WHOLE = 120
 WHOLE_ORIGIN = (-40, -35)
 CROP_SCENE = random_scene(np.random.default_rng(11), 150, 3, 80, 80, sigma=(0.3, 12.0), ratio=8.0)

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import itertools
-
 import numpy as np
 import pytest
-from fake_cuda import backwards, fake_gpu
+from fake_cuda import fake_gpu
 from scenes import backward, random_scene
 
 from sgicodec.raster.backend import Background, Mapping, nothing_behind
@@ -14,22 +12,6 @@ from sgicodec.raster.cpu import NativeRasterizer
 from sgicodec.raster.cuda import CudaRasterizer
 
 WIDE = 6.0  # cutoff at which what is left out is below rounding
-
-
-def test_many_gaussians_of_one_tile_in_their_order() -> None:
-    """More than a block stages at a time, and more than one block sorts."""
-    rng = np.random.default_rng(8)
-    scene = random_scene(rng, 700, 3, 40, 20, sigma=(0.5, 2.0))
-    raster = CudaRasterizer(fake_gpu())
-    raster.forward(*scene, 40, 20)
-    assert raster._drawn is not None
-    passes = raster._drawn[1]
-    assert passes.sort_blocks > 1
-    slots, starts = passes._sorted.slots, passes.tile_start.download()
-    sorted_slots = next(array for array in passes.pairs if array.address == slots).download()
-    assert passes.found() == starts[-1]
-    for first, last in itertools.pairwise(starts):
-        assert (np.diff(sorted_slots[first:last].astype(np.int64)) > 0).all()
 
 
 def test_a_picture_of_many_tiles() -> None:
@@ -56,20 +38,6 @@ def test_a_cutoff_is_the_same_forward_and_backward() -> None:
         alone = tuple(array[i : i + 1] for array in (scene[0], scene[1], np.ones((20, 1), np.float32)))
         image = CudaRasterizer(fake_gpu()).forward(*alone, 40, 30).astype(np.float64)
         assert slopes[i] == pytest.approx(float((image * grad).sum()), rel=1e-4, abs=1e-4)
-
-
-def test_no_thread_waits_for_what_another_does_in_the_same_phase() -> None:
-    """A race between threads, or blocks, would show when they run in another order."""
-    scene = random_scene(np.random.default_rng(13), 900, 3, 150, 90)
-    target = np.random.default_rng(14).normal(size=(3, 90, 150)).astype(np.float32)
-    first, gradients = CudaRasterizer(fake_gpu()).error(*scene, target)
-    image = CudaRasterizer(fake_gpu()).forward(*scene, 150, 90)
-    with backwards():
-        second, again = CudaRasterizer(fake_gpu()).error(*scene, target)
-        np.testing.assert_array_equal(image, CudaRasterizer(fake_gpu()).forward(*scene, 150, 90))
-    assert first == second
-    for a, b in zip(gradients, again, strict=True):
-        np.testing.assert_array_equal(a, b)
 
 
 @pytest.mark.parametrize("behind", ["planes", "lines", "both"])
