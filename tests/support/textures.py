@@ -9,7 +9,7 @@ import numpy as np
 from sgicodec._native import SymbolReader
 from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
 from sgicodec.bitstream.parts.texture import layer_of, write_texture
-from sgicodec.model.texture import MIN_LOG, ROOT_LOG, TextureLayer
+from sgicodec.model.texture import MIN_LOG, ROOT_LOG
 from sgicodec.model.texture_symbols import TextureSteps, TextureSymbols, roots_of
 
 
@@ -34,20 +34,6 @@ def random_cells(width: int, height: int, seed: int, share: float) -> tuple[np.n
             add(x, y, ROOT_LOG)
     found = np.array(cells).reshape(-1, 3)
     return found[:, :2].astype(np.int32), found[:, 2].astype(np.uint8)
-
-
-def random_layer(channels: int, width: int, height: int, seed: int = 0, share: float = 0.8) -> TextureLayer:
-    """Some cells are full of amplitudes; most have a few, in low frequencies."""
-    rng = np.random.default_rng(seed + 1)
-    corner, log_size = random_cells(width, height, seed, share)
-    amplitudes = []
-    for log in log_size.tolist():
-        cell = rng.normal(size=(channels, 1 << log, 1 << log)) * 0.1
-        if rng.random() < 0.8:
-            down, across = rng.integers(0, 7, 2)
-            cell[:, down:] = cell[:, :, across:] = 0
-        amplitudes.append(cell.astype(np.float32).ravel())
-    return TextureLayer((width, height), channels, corner, log_size, np.concatenate(amplitudes))
 
 
 def random_symbols(channels: int, width: int, height: int, seed: int = 0, most: int = 5) -> TextureSymbols:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from sgicodec.model.base import base_colours, base_shape, cubic_weights, fit_base, render_base
+from sgicodec.model.base import base_shape, cubic_weights, fit_base, render_base
 
 CELL = 4
 
@@ -25,17 +25,3 @@ def test_the_fit_is_the_least_squares_optimum(width: int, height: int) -> None:
     np.testing.assert_allclose(grid.reshape(2, -1), expected.T, atol=1e-9)
     drawn = render_base(grid, CELL, centres(width), centres(height))
     np.testing.assert_allclose(drawn.reshape(2, -1), (dense @ expected).T, atol=1e-5)
-
-
-@pytest.mark.parametrize("channels", [1, 3, 4])
-def test_colours_of_integers(channels: int) -> None:
-    """Luma and two differences of the first three channels, others as they are; step 84 is 2^((84 − 96) / 6) = 1/4."""
-    base = np.random.default_rng(channels).integers(-40, 40, (channels, 3, 2))
-    colours = base_colours(base, 84)
-    opponent = colours.copy()
-    if channels >= 3:
-        red, green, blue = colours[:3]
-        opponent[0] = (red + green + blue) / np.sqrt(3)
-        opponent[1] = (red - blue) / np.sqrt(2)
-        opponent[2] = (2 * green - red - blue) / np.sqrt(6)
-    np.testing.assert_allclose(opponent, base / 4, atol=1e-12)

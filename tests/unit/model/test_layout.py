@@ -5,9 +5,7 @@ from examples import examples
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from sgicodec.model.context import nearest_by_pass
 from sgicodec.model.layout import ROOT_LOG, SeedLayout, adaptive_layout, cell_sums, uniform_layout
-from sgicodec.profiles.default import default_spec
 
 
 def path_of(x: int, y: int, log_size: int) -> tuple[list[int], int]:
@@ -102,30 +100,3 @@ def test_uniform_seeds_are_as_many_as_asked_for_and_inside(width: int, height: i
     assert len(np.unique(layout.corner, axis=0)) == len(layout)
     assert not layout.log_size.any()
     assert in_canonical_order(layout)
-
-
-LAYOUT = adaptive_layout(picture(5, 3, 200, 130), 3.0)
-
-
-def test_centres_in_pixels_and_half_pixels() -> None:
-    np.testing.assert_array_equal(LAYOUT.cell, 2.0**LAYOUT.log_size)
-    np.testing.assert_array_equal(LAYOUT.centre, LAYOUT.corner + LAYOUT.cell[:, None] / 2)
-    np.testing.assert_array_equal(LAYOUT.half_pixels, 2 * LAYOUT.centre)
-    uniform = uniform_layout(20, 20, 30, np.random.default_rng(1))
-    np.testing.assert_array_equal(uniform.centre, uniform.corner + 0.5)
-    np.testing.assert_array_equal(uniform.half_pixels, 2 * uniform.corner + 1)
-
-
-def test_passes_from_large_cells_to_small_ones() -> None:
-    order = [members for members, _ in nearest_by_pass(default_spec(3).context, LAYOUT)]
-    assert sorted(np.concatenate(order).tolist()) == list(range(len(LAYOUT)))
-    ranks = [(0, 0), (1, 1), (1, 0), (0, 1)]
-    seen = []
-    for members in order:
-        assert len(members)
-        size = np.clip(LAYOUT.log_size[members].astype(int), 1, 5)
-        parity = (LAYOUT.corner[members] >> LAYOUT.log_size[members].astype(int)[:, None]) % 2
-        kinds = {(-int(k), ranks.index((int(x), int(y)))) for k, (x, y) in zip(size, parity, strict=True)}
-        assert len(kinds) == 1
-        seen += kinds
-    assert seen == sorted(set(seen))

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scenes import ISAS
-from textures import random_layer, texture_atoms
+from textures import random_symbols, texture_atoms
 
 from sgicodec.device import Device
 from sgicodec.model.gaussians import colour_matrix
@@ -46,7 +48,8 @@ def test_the_atoms_are_the_formula() -> None:
 @pytest.mark.parametrize("channels", [1, 3, 5])
 def test_pixels_are_the_dense_sum(isa: str, channels: int) -> None:
     """Other places and scales are those of decoders (tests/conformance/test_exact_pixels.py)."""
-    layer = random_layer(channels, WIDTH, HEIGHT)
+    symbols = random_symbols(channels, WIDTH, HEIGHT)
+    layer = replace(symbols, steps=replace(symbols.steps, step=300)).layer()
     expected = dense(layer, np.arange(WIDTH) + 0.5, np.arange(HEIGHT) + 0.5)
     mixed = np.tensordot(np.array(colour_matrix(channels)).T, expected, axes=1)
     np.testing.assert_allclose(layer.draw(Device(2, isa)), mixed, atol=1e-6)
