@@ -11,7 +11,6 @@ from sgicodec.fit.context_weights import WEIGHT_SHIFT, ContextWeights, layer_sha
 from sgicodec.fit.weight_bits import ADDED_UNITS
 from sgicodec.model.context import INPUT_BITS, HashGrid, output_count
 from sgicodec.model.network import DIFFERENCE_SHIFT, INPUT_LIMIT
-from tests.support.torch_step.context_inputs import hash_inputs
 
 __all__ = ["ContextNet", "binarize", "bits_by_mean"]
 
@@ -75,8 +74,10 @@ class ContextNet:
         return out[:, :units], out[:, units : 2 * units], out[:, 2 * units :]
 
     def hash_features(self, grid: HashGrid, weight: Tensor) -> Tensor:
-        """H at every seed [N, L·F], in input units."""
-        return hash_inputs(grid, [binarize(table) for table in self.tables], weight)
+        """H(x_a) of all seeds by bilinear interpolation of ±1 features [N, L·F], input units (paper, equation 9)."""
+        levels = zip(map(binarize, self.tables), grid.entry, weight, strict=True)
+        mixed = [(table[entry] * share[..., None]).sum(1) for table, entry, share in levels]  # of [N, 4, F]
+        return torch.cat(mixed, dim=1) * 2.0 ** (INPUT_BITS - 12)
 
     def hash_bits(self) -> Tensor:
         """L_hash: the entropy of the grid's signs (paper, equation 12)."""

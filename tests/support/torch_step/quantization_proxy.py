@@ -1,14 +1,29 @@
-"""The quantisation proxy: noise or rounding on the attributes that train, and the bits that they will take."""
+"""The quantisation proxy: noise or rounding on the attributes that train, and the bits that they will take.
+
+Inputs of the context model MLP_p are floats in units of 2^-6 here; docs/format.md, "Context model", has them in the
+integers of coding. Of a seed's decoded values a *summary* enters: three opponent colours and three shape numbers, so
+that one network serves any C.
+"""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 import torch
+from numpy.typing import NDArray
 from torch import Tensor
 
-from sgicodec._native import COLOUR_GAIN_BITS, INPUT_LIMIT, LOUDNESS_ZERO, OCTAVE_LIMIT
+from sgicodec._native import (
+    COLOUR_GAIN_BITS,
+    INPUT_LIMIT,
+    LOUDNESS_ZERO,
+    MIN_MASS,
+    OCTAVE_LIMIT,
+    OFFSET_LIMIT,
+    neighbour_weight,
+)
 from sgicodec.fit.noise import NoiseKey, hashed_noise
 from sgicodec.fit.step_sizes import base_counts, gamma_names
 from sgicodec.model.context import (
@@ -32,11 +47,9 @@ from sgicodec.model.quantization import (
 from sgicodec.model.spec import ModelSpec
 from sgicodec.model.steps import AMPLITUDE_ZERO, REFINE_LIMIT, follows_amplitude
 from sgicodec.profiles.fit_settings import Rounding
-from tests.support.torch_step.context_inputs import nearest_offset, neighbour_inputs, own_inputs
 from tests.support.torch_step.context_net import ContextNet
-from tests.support.torch_step.rate import bits_gaussian, bits_laplace
 
-__all__ = ["QuantizationProxy", "Sample"]
+__all__ = ["QuantizationProxy", "Sample", "bits_gaussian", "bits_laplace"]
 
 _MIN_STEP, _GREATEST_STEP = (2.0 ** ((index - STEP_ZERO) / PER_OCTAVE) for index in (0, STEP_COUNT - 1))
 _MIN_SCALE = 2.0 ** (-SCALE_ZERO / PER_OCTAVE)
@@ -199,3 +212,58 @@ class QuantizationProxy:
                 known["shape"] = torch.zeros(len(self.level), 3 * self.spec.per_seed)
             blocks.append(own_inputs(self.summary(known), number))
         return net.forward(number, torch.cat(blocks, dim=1))
+
+
+def neighbour_inputs(summary: Tensor, table: Tensor, present: Tensor, log_size: Tensor, offset: Tensor) -> Tensor:
+    """Inputs of all seeds from their neighbours [N, NEIGHBOUR_INPUTS].
+
+    summary [N, SUMMARY] of decoded seeds; table, present [N, k]; log_size [N]; offset [N, 2] from each seed to its
+    nearest neighbour in its own cells, input units.
+    """
+    share = present * torch.tensor([neighbour_weight(rank) / 16 for rank in range(table.shape[1])], dtype=present.dtype)
+    rows = summary[table]  # [N, k, SUMMARY]
+    count = share.sum(1, keepdim=True) * (1 << INPUT_BITS)
+    weighted = (rows * share[..., None]).sum(1)
+    sizes = (rows[..., [0, 1, 2, 5, 6]].abs() * share[..., None]).sum(1)
+    level = ((log_size[table] - log_size[:, None]) * share).sum(1, keepdim=True) * (1 << INPUT_BITS)
+    return torch.cat([count, weighted, sizes, level, rows[:, 0] * present[:, :1], offset * present[:, :1]], dim=1)
+
+
+def own_inputs(summary: Tensor, step: int) -> Tensor:
+    """What a seed's own earlier groups say [n, 7 or 12]: colours, their size and, after the shape, the shape."""
+    columns = [summary[:, :3], summary[:, :3].abs(), summary[:, 3:4]]
+    if step >= 2:
+        columns += [summary[:, 4:7], summary[:, 5:7].abs()]
+    return torch.cat(columns, dim=1)
+
+
+def nearest_offset(layout: SeedLayout, table: NDArray[np.int32]) -> NDArray[np.int64]:
+    """From each seed to its nearest neighbour, in its own cells, input units, at most OFFSET_LIMIT cells [N, 2]."""
+    points = layout.half_pixels.astype(np.int64)
+    difference = points[table[:, 0]] - points
+    scaled = (difference << INPUT_BITS) >> (layout.log_size.astype(np.int64) + 1)[:, None]
+    clipped: NDArray[np.int64] = np.clip(scaled, -OFFSET_LIMIT << INPUT_BITS, OFFSET_LIMIT << INPUT_BITS)
+    return clipped
+
+
+def bits_gaussian(deviation: Tensor, step: Tensor, scale: Tensor) -> Tensor:
+    """−log2 of the Gaussian's mass in [d − q/2, d + q/2] (paper, equation 10); all tensors alike in shape.
+
+    Written with |d| so that a tail's mass is no difference of numbers near 1.
+    """
+    size = deviation.abs()
+    nearer = torch.special.ndtr((0.5 * step - size) / scale)
+    beyond = torch.special.ndtr((-0.5 * step - size) / scale)
+    return -torch.log2((nearer - beyond).clamp_min(MIN_MASS))
+
+
+def bits_laplace(deviation: Tensor, step: Tensor, scale: Tensor) -> Tensor:
+    """−log2 of the Laplacian's mass in [d − q/2, d + q/2]; `scale` is its standard deviation.
+
+    Written with |d| so that neither tail cancels.
+    """
+    rate, size, half = math.sqrt(2.0) / scale, deviation.abs(), 0.5 * step
+    inside = half - size
+    near = 0.5 * torch.exp(-rate * inside.abs())  # mass between the mean and the nearer edge, from its tail
+    far = 0.5 * torch.exp(-rate * (half + size))
+    return -torch.log2((torch.where(inside > 0, 1.0 - near, near) - far).clamp_min(MIN_MASS))

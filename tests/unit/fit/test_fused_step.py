@@ -21,10 +21,8 @@ from sgicodec.model.spec import ModelSpec
 from sgicodec.profiles.default import default_spec
 from sgicodec.profiles.fit_settings import FitSettings, Phase, Rounding
 from sgicodec.raster.cpu import NativeRasterizer
-from tests.support.torch_step.quantization_proxy import QuantizationProxy
-from tests.support.torch_step.raster_op import error
-from tests.support.torch_step.rate import bits_laplace
-from tests.support.torch_step.step import AutogradStep
+from tests.support.torch_step.quantization_proxy import QuantizationProxy, bits_laplace
+from tests.support.torch_step.step import AutogradStep, error
 
 WIDTH, HEIGHT = 160, 120
 QUALITY, FAMILY, LMBDA, SEED = 62, 1, 0.004, 12345

@@ -1,0 +1,95 @@
+"""Bits that the torch model of a fit counts, against the tables that code them and the stream that is written."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import torch
+
+from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
+from sgicodec.bitstream.entropy.tables import SCALES, frequency_tables
+from sgicodec.bitstream.header import Header
+from sgicodec.bitstream.parts.attributes import quantise_attributes, write_attributes
+from sgicodec.fit.context_weights import ContextWeights
+from sgicodec.fit.noise import NoiseKey
+from sgicodec.fit.step_sizes import flat_steps
+from sgicodec.model.context import HashGrid
+from sgicodec.model.layout import adaptive_layout, uniform_layout
+from sgicodec.model.quantization import PER_OCTAVE, SCALE_ZERO
+from sgicodec.model.spec import ModelSpec
+from sgicodec.model.steps import default_plan
+from sgicodec.profiles.default import default_spec
+from sgicodec.profiles.paper import paper_spec
+from tests.support.torch_step.context_net import ContextNet
+from tests.support.torch_step.quantization_proxy import QuantizationProxy, bits_gaussian, bits_laplace
+
+Rate = Callable[[torch.Tensor, torch.Tensor, torch.Tensor], torch.Tensor]
+
+SIZE = (160, 120)
+QUALITY, FAMILY = 62, 1
+SPREAD = {"colour": 0.2, "shape": 0.6, "offset": 0.4, "feature": 2.0, "scales": 2.0}
+"""Of values of a plausible size."""
+SPECS = {
+    "default": default_spec(3, prior=0),
+    "gray": default_spec(1, prior=0),
+    "four channels": default_spec(4, prior=0),
+    "paper": paper_spec(3, per_seed=2, features=6),
+}
+
+
+@pytest.mark.parametrize(("family", "bits"), [(0, bits_gaussian), (1, bits_laplace)])
+@pytest.mark.parametrize("scale", [12, SCALE_ZERO, 40])
+def test_the_tables_cost_what_the_fit_believes(family: int, bits: Rate, scale: int) -> None:
+    """Symbols that a scale index makes likely: the fit's bits with σ = 2^((index − 24) / 6) steps."""
+    sigma = 2.0 ** ((scale - SCALE_ZERO) / PER_OCTAVE)
+    symbols = np.arange(-math.ceil(3 * sigma), math.ceil(3 * sigma) + 1)
+    coded = frequency_tables().bits(symbols, np.full(len(symbols), scale + SCALES * family))
+    believed = bits(torch.tensor(symbols, dtype=torch.float64), torch.ones(1).double(), torch.tensor(sigma).double())
+    likely = coded < 18
+    np.testing.assert_allclose(believed.numpy()[likely], coded[likely], atol=0.02)
+
+
+@pytest.mark.parametrize(("step", "scale"), [(0.01, 0.05), (3.0, 2.5)])
+def test_bits_between_symbols_are_those_of_the_distribution(step: float, scale: float) -> None:
+    deviation, q, s = step * torch.linspace(-2.2, 1.7, 40).double(), *torch.tensor([step, scale]).double()
+    for bits, density in (
+        (bits_gaussian, torch.distributions.Normal(0.0, s)),
+        (bits_laplace, torch.distributions.Laplace(0.0, s / 2**0.5)),
+    ):
+        mass = density.cdf(deviation + q / 2) - density.cdf(deviation - q / 2)
+        np.testing.assert_allclose(bits(deviation, q, s), -torch.log2(mass), rtol=1e-6)
+
+
+@pytest.mark.parametrize("spec", SPECS.values(), ids=SPECS)
+def test_the_fit_counts_the_bits_that_are_written(spec: ModelSpec) -> None:
+    """Of random values and networks: what MLP_p sees as floats in a fit, and as integers in coding. With steps that
+    follow the amplitude and real predictions; the escape and the tables' rounding make up 1 %.
+    """
+    (width, height), rng, sizes = SIZE, np.random.default_rng(1), ()
+    detail = (rng.normal(size=(3, height, width)) * np.linspace(0, 1, width) ** 2).astype(np.float32)
+    is_adaptive = spec.layout == "adaptive"
+    layout = adaptive_layout(detail, 6.0) if is_adaptive else uniform_layout(width, height, 500, rng)
+    values = {g.name: rng.normal(size=(len(layout), g.size)) * SPREAD[g.name] for g in spec.groups}
+    if spec.context.hash_resolutions:
+        sizes = HashGrid.at(spec.context, layout, width, height).sizes
+    weights, plan = ContextWeights(spec, sizes, np.random.default_rng(0)), default_plan(spec, QUALITY)
+    networks = weights.integers(8)
+    weights.load(networks)
+
+    header = Header(*SIZE, "multi", "uint8", (0.0, 255.0), "default", replace(spec, luma_space=False), QUALITY, FAMILY)
+    quantised = quantise_attributes(header, layout, plan, networks, weights.signs() if sizes else [], values)
+    writer = SymbolWriter()
+    write_attributes(writer, quantised)
+    written = sum(writer.bits[group.name] for group in spec.groups)
+
+    decoded = torch.from_numpy(quantised.values)
+    rounded = {group.name: decoded[:, group.columns].float() for group in spec.groups}
+    proxy = QuantizationProxy(spec, FAMILY)
+    proxy.set_layout(layout, QUALITY, *SIZE)
+    steps = torch.from_numpy(flat_steps(spec, plan))
+    sample = proxy.sample(rounded, ContextNet(weights), steps, "round", NoiseKey(0, False))
+    assert float(sample.bits.detach().sum()) == pytest.approx(written, rel=0.02)
