@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from finite_differences import assert_slope
 from scenes import ISAS
-from seen_pictures import F32, Rgb8, by_jpeg, photo
+from seen_pictures import F32, Rgb8, assert_slope, by_jpeg, photo
 
 from sgicodec.device import ONE_THREAD, Device
 from sgicodec.metrics.perceptual import ssimulacra2

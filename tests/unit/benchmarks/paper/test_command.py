@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from click.testing import CliRunner, Result
-from in_process import InProcess
 
 from benchmarks.paper import measure
 from benchmarks.paper.command import main, middle
@@ -31,9 +31,7 @@ def call(*arguments: object) -> Result:
     return CliRunner().invoke(main, [str(argument) for argument in arguments])
 
 
-def test_a_run_goes_on_where_it_was(picture: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    processes = InProcess()
-    monkeypatch.setattr(measure, "run_timed", processes)
+def test_a_run_goes_on_where_it_was(picture: Path, tmp_path: Path, processes: Any) -> None:
     options = (picture, "--steps", 6, "--seeds", 12, "--threads", 1, "--tsv", tmp_path / "paper.tsv")
     first = call(*options, "--table", "decode", "--streams", tmp_path / "streams")
     assert first.exit_code == 0, first.exception

@@ -6,9 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from in_process import InProcess
 
-from benchmarks.paper import measure
 from benchmarks.paper.jobs import Job, Method, PaperFit
 from benchmarks.paper.measure import Bench, bilinear, reduced
 from sgicodec import imread
@@ -26,8 +24,7 @@ def sample() -> Sample:
 
 
 @pytest.fixture
-def bench(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Bench:
-    monkeypatch.setattr(measure, "run_timed", InProcess())
+def bench(tmp_path: Path, processes: object) -> Bench:
     return Bench(tmp_path, 1, quick=True, version="test")
 
 

@@ -1,4 +1,4 @@
-"""The command `sgi` that a benchmark runs as a process, run in this one."""
+"""The command `sgi` that the paper's benchmark runs as a process, run in this one."""
 
 from __future__ import annotations
 
@@ -10,11 +10,10 @@ from click.testing import CliRunner
 pytest.importorskip("PIL")
 pytest.importorskip("imagecodecs")
 pytest.importorskip("matplotlib")
+from benchmarks.paper import measure
 from sgicodec.bench.sgi import Run
 from sgicodec.cli.main import cli as sgi_command
 from sgicodec.errors import SgiError
-
-__all__ = ["InProcess"]
 
 
 class InProcess:
@@ -31,3 +30,11 @@ class InProcess:
         if done.exit_code:
             raise SgiError(f"`{module}` failed: {done.output}{done.exception}")
         return Run(1.5, 64.0, 1.25)
+
+
+@pytest.fixture
+def processes(monkeypatch: pytest.MonkeyPatch) -> InProcess:
+    """What runs the commands of a measurement, and knows them."""
+    found = InProcess()
+    monkeypatch.setattr(measure, "run_timed", found)
+    return found
