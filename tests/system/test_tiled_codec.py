@@ -51,14 +51,6 @@ def test_no_seam(coded: tuple[Picture, Encoded]) -> None:
     assert (steps[[111, 223]] < 1.15 * plain[[111, 223]] + 0.2).all()
 
 
-@pytest.mark.parametrize("region", [(0, 0, 336, 256), (100, 120, 40, 20), (224, 0, 1, 256), (119, 127, 2, 2)])
-def test_regions_are_parts_of_the_whole(coded: tuple[Picture, Encoded], region: tuple[int, int, int, int]) -> None:
-    stream = open_stream(coded[1].data)
-    whole, (x, y, width, height) = stream.picture().pixels, region
-    part = open_stream(coded[1].data).picture(region).pixels
-    np.testing.assert_array_equal(part, whole[y : y + height, x : x + width])
-
-
 @pytest.mark.parametrize("scale", [None, 0.5, 1 / 7, 2.0])
 def test_bands_are_the_picture(
     coded: tuple[Picture, Encoded], scale: float | None, monkeypatch: pytest.MonkeyPatch

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ast
 import re
 import tomllib
 from dataclasses import fields
@@ -51,16 +50,6 @@ def test_named_programs_exist(page: Path) -> None:
     for module, name in re.findall(r"python -m ([\w.]+)(?: +(\w+))?", page.read_text("utf-8")):
         assert module in ("venv", "pip", "pytest", "mypy", "ruff") or find_spec(module), module
         assert module != "benchmarks" or name in (*BENCHMARKS, "NAME", "", None), name
-
-
-def test_the_architecture_has_the_floors_of_the_layers_test() -> None:
-    text = (ROOT / "docs" / "architecture.md").read_text("utf-8")
-    block = re.search(r"\n\n((?:    [\w, ]+\n)+)\n", text.split("## What imports what")[1])
-    assert block
-    documented = [set(line.strip().split(", ")) for line in block[1].splitlines()]
-    source = ast.parse((ROOT / "tests" / "unit" / "test_layers.py").read_text("utf-8"))
-    values = {ast.unparse(node.targets[0]): node.value for node in source.body if isinstance(node, ast.Assign)}
-    assert documented == [set(floor) for floor in reversed(ast.literal_eval(values["FLOORS"]))]
 
 
 def test_the_architecture_names_every_room() -> None:
