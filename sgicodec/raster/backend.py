@@ -38,16 +38,6 @@ class Background(NamedTuple):
     down: F32
     planes: F32 | None = None
 
-    @property
-    def image(self) -> F32:
-        """The same as an image [C, height, width]."""
-        taps = range(self.down.shape[1])
-        rows = (self.lines[:, self.top + tap] * self.down[:, tap, None] for tap in taps)
-        behind = sum(rows, np.zeros((len(self.lines), len(self.top), self.lines.shape[2]), np.float32))
-        if self.planes is None:
-            return behind
-        return behind + self.planes if self.lines.size else self.planes
-
 
 def nothing_behind(channels: int, planes: F32 | None = None) -> Background:
     """A background without lines."""
@@ -56,15 +46,10 @@ def nothing_behind(channels: int, planes: F32 | None = None) -> Background:
 
 
 class Mapping(NamedTuple):
-    """The sample low + span · v that stands for a value v, by channel [C]."""
+    """The sample low + span · v that stands for a value v, clipped to 0 … 1, by channel [C]."""
 
     low: F32
     span: F32
-
-    def samples(self, values: F32, dtype: np.dtype[Any]) -> NDArray[Any]:
-        """Those of values [h, w, C], clipped to 0 … 1: what `Backend.draw` writes."""
-        samples = self.low + self.span * np.clip(values, 0, 1)
-        return samples.astype(dtype) if dtype.kind == "f" else np.rint(samples).astype(dtype)
 
 
 class Backend(Protocol[Array]):

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
-from sgicodec.raster.backend import Background, Errors, Loss, Mapping
+from sgicodec.raster.backend import Errors, Loss
 
 __all__ = ["ReferenceRasterizer", "rasterize_reference", "rasterize_reference_backward"]
 
@@ -15,31 +13,13 @@ F64 = NDArray[np.float64]
 
 
 class ReferenceRasterizer:
-    """The dense sum as a back end. Takes memory for N · height · width numbers several times over."""
+    """The dense sum as a back end, but for samples. Takes memory for N · height · width numbers several times over."""
 
     def forward(
         self, means: F64, covariances: F64, colours: F64, width: int, height: int, origin: tuple[int, int] = (0, 0)
     ) -> F64:
         """See `rasterize_reference`."""
         return rasterize_reference(means, covariances, colours, width, height, origin)
-
-    def draw(
-        self,
-        means: F64,
-        covariances: F64,
-        colours: F64,
-        out: NDArray[Any],
-        origin: tuple[int, int] = (0, 0),
-        background: Background | None = None,
-        mapping: Mapping | None = None,
-    ) -> None:
-        """As in `Backend`."""
-        height, width, _ = out.shape
-        image = rasterize_reference(means, covariances, colours, width, height, origin)
-        if background is not None:
-            image = image + background.image
-        values = image.transpose(1, 2, 0)
-        out[...] = values if mapping is None else mapping.samples(values.astype(np.float32), out.dtype)
 
     def error(
         self,

@@ -26,7 +26,7 @@ from scenes import (
 
 from sgicodec.device import Device
 from sgicodec.errors import UsageError
-from sgicodec.raster import Background, Mapping, NativeRasterizer, ReferenceRasterizer
+from sgicodec.raster import NativeRasterizer, ReferenceRasterizer
 from sgicodec.raster.backend import Loss
 from sgicodec.raster.cuda import CudaRasterizer
 from sgicodec.raster.reference import rasterize_reference, rasterize_reference_backward
@@ -150,23 +150,6 @@ def test_absolute_error_has_no_slope_where_nothing_differs(backend: str) -> None
     found, gradients = raster.error(means, covariances, np.zeros((60, 3), np.float32), nothing, "absolute")
     assert found == (0.0, 0.0)
     assert not any(gradient.any() for gradient in gradients)
-
-
-@pytest.mark.parametrize(("dtype", "mapped"), [(np.uint8, True), (np.float32, True), (np.float32, False)])
-def test_back_ends_draw_alike(dtype: type[np.generic], mapped: bool) -> None:
-    rng = np.random.default_rng(3)
-    scene = random_scene(rng, 20, 3, 30, 20)
-    lines = rng.uniform(0, 0.5, (3, 5, 30)).astype(np.float32)
-    planes = rng.uniform(-0.2, 0.2, (3, 20, 30)).astype(np.float32)
-    down = rng.random((20, 2)).astype(np.float32)
-    background = Background(lines, rng.integers(0, 4, 20).astype(np.int32), down, planes)
-    mapping = Mapping(np.zeros(3, np.float32), np.full(3, 255, np.float32)) if mapped else None
-    images = []
-    for backend, kind in ((NativeRasterizer(cutoff=7.0), np.float32), (ReferenceRasterizer(), np.float64)):
-        images.append(np.empty((20, 30, 3), dtype))
-        backend.draw(*(array.astype(kind) for array in scene), images[-1], (2, -1), background, mapping)
-    tolerance = 1e-5 if not mapped else 1.0 if dtype is np.uint8 else 255e-5
-    np.testing.assert_allclose(images[0].astype(float), images[1].astype(float), atol=tolerance)
 
 
 BAD = [np.nan, np.inf, -np.inf, 3e38, -3e38, 1e-45, 0.0, -1.0]
