@@ -102,6 +102,8 @@ def test_bench_ends_with_an_error_if_a_point_failed(tmp_path: Path) -> None:
     ("arguments", "complaint"),
     [
         (["--codecs", "jpeg,bpg"], "no codec is called 'bpg'"),
+        (["--lossless", "--codecs", "jpeg"], "no codec is called 'jpeg'; there are sgi, png"),
+        (["--max-error", "1", "--sheets", "s"], "--sheets"),
         (["--qualities", "20,high"], "--qualities takes numbers"),
         (["--efforts", "max"], "--efforts takes numbers"),
         (["--sheets", "s", "--sheet-rates", "low"], "--sheet-rates takes numbers"),

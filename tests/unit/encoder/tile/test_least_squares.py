@@ -1,4 +1,4 @@
-"""Seeds that are searched again beside texture: fewer bytes at the same error, and seeds for the eye stay."""
+"""Seeds that are searched again beside texture: fewer bytes at the same error."""
 
 from __future__ import annotations
 
@@ -52,12 +52,6 @@ def test_the_same_error_takes_fewer_bytes() -> None:
     for rounds in (2, 3):
         found, left = cost(requantised(state, rounds))
         assert math.log(found / size) < octaves * math.log(error / left) - 0.005
-
-
-def test_seeds_for_the_eye_stay() -> None:
-    for effort in range(1, 10):
-        settings = EncodeSettings(effort=effort, tune="visual")
-        assert settings.chosen_effort.rounds == 0
 
 
 def test_none_without_a_search_or_texture() -> None:

@@ -80,14 +80,6 @@ def test_weights_of_masking_are_multiplied() -> None:
     assert ratio[:, :96].mean() < 0.3 * ratio[:, 160:].mean()
 
 
-def test_another_lmbda_is_scouted_again() -> None:
-    part = shared(half_texture())
-    other = share(prepare(part.tile, 4 * LMBDA))
-    assert part.weights is not None
-    assert other.weights is not None
-    assert np.any(part.weights != other.weights)
-
-
 def test_the_shortest_fits_have_no_shorter_one_before_them() -> None:
     part = shared(half_texture(), effort=1)
     assert part.weights is None
