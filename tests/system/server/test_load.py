@@ -27,20 +27,23 @@ def in_parallel(get: Client, paths: list[str], answered: Callable[[Answer], None
 
 
 def test_requests_beyond_the_queue_are_refused(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """One is drawn and two wait, for as long as the others take to be refused."""
-    go, drawn = threading.Event(), app.drawn
+    """Two are drawn and one waits, for as long as the others take to be refused."""
+    go, begun, drawn = threading.Event(), threading.Semaphore(0), app.drawn
 
     def held(stream: Stream, drawing: Drawing) -> bytes:
+        begun.release()
         assert go.wait(HANGS)
         return drawn(stream, drawing)
 
     monkeypatch.setattr(app, "drawn", held)
     answers: queue.Queue[Answer] = queue.Queue()
     paths = [f"/iiif/3/wide.sgi/{x},0,8,8/max/0/default.png" for x in range(12)]
-    settings = Settings(jobs=1, waiting=2)
+    settings = Settings(jobs=2, waiting=1)
     with running(application(Folder(folder), settings)) as get:
         threads = in_parallel(get, paths, answers.put)
         refused = [answers.get(timeout=HANGS) for _ in range(len(paths) - 3)]
+        assert all(begun.acquire(timeout=HANGS) for _ in range(2))
+        assert not begun.acquire(blocking=False)
         go.set()
         for thread in threads:
             thread.join()

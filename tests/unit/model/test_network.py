@@ -23,23 +23,8 @@ def network(seed: int, shift: int, size: int = 300) -> IntNetwork:
     return IntNetwork(w1, b1, w2, b2, shift, PREDICTED)
 
 
-def evaluate(net: IntNetwork, row: list[int]) -> list[int]:
-    """docs/format.md, "MLP_p", in Python's integers; >> rounds down."""
-    x = [min(max(v, -(2**13)), 2**13) for v in row]
-    hidden = [
-        min(max((sum(w * v for w, v in zip(weights, x, strict=True)) + 64 * bias) >> net.shift, 0), 2**15)
-        for weights, bias in zip(net.w1.tolist(), net.b1.tolist(), strict=True)
-    ]
-    y = [
-        sum(w * v for w, v in zip(weights, hidden, strict=True)) + 64 * bias
-        for weights, bias in zip(net.w2.tolist(), net.b2.tolist(), strict=True)
-    ]
-    means = [v >> (net.shift - 2) for v in y[:PREDICTED]]
-    return means + [(6 * v) >> (6 + net.shift) for v in y[PREDICTED:]]
-
-
 def products(net: IntNetwork, rows: np.ndarray) -> list[list[int]]:
-    """The same of many rows, as products of matrices of integers."""
+    """docs/format.md, "MLP_p", as products of matrices of integers; >> rounds down."""
     x = np.clip(rows.astype(np.int64), -(2**13), 2**13)
     hidden = np.clip((x @ net.w1.T + 64 * net.b1) >> net.shift, 0, 2**15)
     y = hidden @ net.w2.T + 64 * net.b2
@@ -66,8 +51,8 @@ rows = st.lists(
 @every_isa
 @given(rows, st.integers(0, 1000), st.integers(2, 20), st.sampled_from([3, 300, 2**20]))
 def test_predictions_are_those_of_integers(isa: str, inputs: list[list[int]], seed: int, shift: int, size: int) -> None:
-    net = network(seed, shift, size)
-    assert predict(net, np.array(inputs, np.int16), isa) == [evaluate(net, row) for row in inputs]
+    net, x = network(seed, shift, size), np.array(inputs, np.int16)
+    assert predict(net, x, isa) == products(net, x)
 
 
 @every_isa
@@ -102,8 +87,8 @@ def test_sums_at_the_end_of_32_bits(isa: str, layer: str, beyond: int) -> None:
     if layer == "w2":
         net = replace(net, w1=np.full_like(net.w1, 100))
     net = replace(net, **{layer: weights})
-    inputs = [[2**13] * INPUTS, [-(2**13)] * INPUTS, [2**13 - 1] * INPUTS]
-    assert predict(net, np.array(inputs, np.int16), isa) == [evaluate(net, row) for row in inputs]
+    inputs = np.array([[2**13] * INPUTS, [-(2**13)] * INPUTS, [2**13 - 1] * INPUTS], np.int16)
+    assert predict(net, inputs, isa) == products(net, inputs)
 
 
 @every_isa
@@ -112,9 +97,9 @@ def test_weights_at_the_end_of_16_bits(isa: str, weight: int) -> None:
     net = network(4, 5, 3)
     w1, w2 = np.array(net.w1), np.array(net.w2)
     w1[2, 3] = w2[1, 2] = weight
-    inputs = [[1000] * INPUTS, [-1000] * INPUTS]
+    inputs = np.array([[1000] * INPUTS, [-1000] * INPUTS], np.int16)
     for changed in (replace(net, w1=w1), replace(net, w2=w2)):
-        assert predict(changed, np.array(inputs, np.int16), isa) == [evaluate(changed, row) for row in inputs]
+        assert predict(changed, inputs, isa) == products(changed, inputs)
 
 
 def test_weights_that_float64_could_not_sum_are_refused() -> None:

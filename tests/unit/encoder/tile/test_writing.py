@@ -36,15 +36,6 @@ def test_nothing_is_a_stream_that_decodes() -> None:
     assert not decoded.pixels[..., 3].any()
 
 
-def test_metadata_count() -> None:
-    """Eight bytes of two blobs, and five of each one's frame."""
-    with_blobs, without = (
-        measured(write_nothing(tile), tile, RateTarget(bytes=99)).bytes
-        for tile in (empty_tile(), empty_tile(metadata=False))
-    )
-    assert with_blobs - without >= 8 + 2 * 4
-
-
 @pytest.mark.parametrize("target", [RateTarget(bytes=99), RateTarget(psnr=30.0), RateTarget(score=50.0)])
 def test_what_is_asked_for_is_measured(target: RateTarget) -> None:
     tile = empty_tile()
