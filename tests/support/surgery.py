@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import zlib
 from collections.abc import Callable
-from dataclasses import dataclass
 
 from page_varint import decode_varint
 
@@ -22,12 +21,6 @@ HEADER_FIELDS = (
     *("prior", "context_hidden", "neighbours", "levels"),
 )
 """The varints that every header starts with (docs/format.md); resolutions and the rest of the hash grid follow."""
-
-
-@dataclass(frozen=True)
-class _Fields:
-    values: list[int]
-    rest: bytes
 
 
 def split(data: bytes) -> Parts:
@@ -54,17 +47,17 @@ def join(parts: Parts) -> bytes:
 def with_fields(data: bytes, **changes: int | Callable[[int], int]) -> bytes:
     """The stream with other header fields."""
     (_, header), *others = split(data)
-    fields = _read(header)
+    values, rest = _read(header)
     for name, change in changes.items():
         index = HEADER_FIELDS.index(name)
-        fields.values[index] = change if isinstance(change, int) else change(fields.values[index])
-    return join([("H", b"".join(map(encode_varint, fields.values)) + fields.rest), *others])
+        values[index] = change if isinstance(change, int) else change(values[index])
+    return join([("H", b"".join(map(encode_varint, values)) + rest), *others])
 
 
 def with_hash(data: bytes, resolutions: list[int], features: int, log2_entries: int) -> bytes:
     """The stream with another hash grid."""
     (_, header), *others = split(data)
-    values = _read(header).values
+    values, _ = _read(header)
     grid = [*values[:-1], len(resolutions), *resolutions, features, log2_entries]
     return join([("H", b"".join(map(encode_varint, grid))), *others])
 
@@ -76,9 +69,10 @@ def flipped(data: bytes, bit: int) -> bytes:
     return bytes(changed)
 
 
-def _read(header: bytes) -> _Fields:
+def _read(header: bytes) -> tuple[list[int], bytes]:
+    """The values of HEADER_FIELDS, and what follows."""
     values, at = [], 0
     for _ in HEADER_FIELDS:
         value, at = decode_varint(header, at)
         values.append(value)
-    return _Fields(values, header[at:])
+    return values, header[at:]

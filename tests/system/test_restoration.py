@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 from data_files import crop
 from restoration_reader import another_network, corrected
+from surgery import join
 
 from sgicodec import EncodeSettings, Picture, encode_picture
+from sgicodec.bitstream.header import encode_header
 from sgicodec.bitstream.parts.tile import write_tile
 from sgicodec.bitstream.parts.tile_chunk import encode_tile_chunk
-from sgicodec.bitstream.stream_writer import write_stream
 from sgicodec.decoder.stream import Stream, open_stream
 from sgicodec.model.luma_space import from_luma_space, to_luma_space
 from sgicodec.rdoq.objective import with_values
@@ -40,15 +41,12 @@ def streams(photo: Picture) -> dict[str, bytes]:
 
 def unrestored(stream: Stream) -> bytes:
     """The same stream of one tile without restoration."""
-    from io import BytesIO
-
     header, model = stream.header, stream.model
     header = replace(header, spec=replace(header.spec, restoration=False), network=b"")
     model = with_values(header.spec, model, model.decoded_values)
     payload, _ = write_tile(header, replace(model, decoded=None, restoration=None))
-    buffer = BytesIO()
-    write_stream(buffer, header, b"", None, [encode_tile_chunk(header, 0, None, payload)])
-    return buffer.getvalue()
+    tile = encode_tile_chunk(header, 0, None, payload)
+    return join([("H", encode_header(header)), ("T", tile), ("E", b"")])
 
 
 @pytest.mark.parametrize("name", ["psnr", "visual", "own"])

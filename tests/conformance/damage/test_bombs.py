@@ -8,8 +8,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from bounded import within
 from data_files import ATTACKS, GOLDEN
+from little_memory import within
 from surgery import frame, join, split
 
 from sgicodec import EncodeSettings, Picture, encode_picture

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from command import sgi
 from data_files import ATTACKS
-from sanitizer import needs_plain_memory
+from little_memory import needs_plain_memory
 
 import sgicodec
 from sgicodec.cli.limits import DecodeLimits

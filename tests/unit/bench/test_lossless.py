@@ -106,13 +106,8 @@ def test_tables_compare_the_first_codec_with_each() -> None:
     def row(codec: str, picture: str, size: int) -> LosslessRow:
         return LosslessRow(codec, "1", "", picture, "0", 0.0, 1000, 500, 3, size, 0.25, None)
 
-    rows = [
-        row("sgi", "a", 100),
-        row("png", "a", 200),
-        row("webp", "a", 125),
-        row("sgi", "b", 100),
-        row("png", "b", 50),
-    ]
+    sizes = {"sgi a": 100, "png a": 200, "webp a": 125, "sgi b": 100, "png b": 50}
+    rows = [row(*name.split(), size) for name, size in sizes.items()]
     rows += [replace(rows[1], max_error=2.0)]
     console = Console(file=io.StringIO(), width=100)
     print_lossless(rows, console)

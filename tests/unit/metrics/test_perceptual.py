@@ -7,15 +7,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from data_files import DATA
+from seen_pictures import photo
 
 from sgicodec.errors import SgiError
 from sgicodec.metrics import perceptual
 from sgicodec.metrics.perceptual import Perceived, butteraugli, perceived
-
-
-def photo(name: str) -> np.ndarray:
-    return np.asarray(pytest.importorskip("PIL.Image").open(DATA / f"{name}.png").convert("RGB"))
 
 
 def test_small_pictures_have_no_score() -> None:

@@ -1,17 +1,19 @@
-"""What a model leaves, against the stream as written and read."""
+"""What a model leaves, and what the search promises of it, against streams as written and read."""
 
-import io
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from data_files import crop
 from rough_models import stage
+from surgery import join
 
-from sgicodec.bitstream.container import ChunkWriter
+from sgicodec import EncodeSettings, encode_picture
 from sgicodec.bitstream.header import encode_header
 from sgicodec.bitstream.parts.tile import TileModel, write_tile
 from sgicodec.decoder.stream import open_stream
 from sgicodec.model.spec import ModelSpec
+from sgicodec.picture import to_unit
 from sgicodec.profiles.default import default_spec
 from sgicodec.profiles.paper import paper_spec
 from sgicodec.rdoq import Objective, can_optimise
@@ -20,12 +22,7 @@ from sgicodec.rdoq import Objective, can_optimise
 def stream_of(objective: Objective, model: TileModel) -> bytes:
     """A whole stream."""
     payload, _ = write_tile(objective.header, model)
-    buffer = io.BytesIO()
-    writer = ChunkWriter(buffer)
-    writer.write("H", encode_header(objective.header))
-    writer.write("T", payload)
-    writer.finish()
-    return buffer.getvalue()
+    return join([("H", encode_header(objective.header)), ("T", payload), ("E", b"")])
 
 
 @pytest.mark.parametrize("channels", [1, 3, 4])
@@ -52,3 +49,17 @@ def test_what_is_left_is_what_the_stream_leaves(channels: int) -> None:
 )
 def test_which_models_it_knows(spec: ModelSpec, known: bool) -> None:
     assert can_optimise(spec) == known
+
+
+def test_streams_cost_less() -> None:
+    """Of a fitted photograph, from what is on disk and what is decoded: J falls by more than two in a hundred."""
+    picture = crop("kodim23", np.s_[128:256, 100:292])
+    unit, lmbda = to_unit(picture), 0.004
+    costs = []
+    for has_rdoq in (False, True):
+        data = encode_picture(
+            picture, EncodeSettings(lmbda=lmbda, steps=150, rdoq=has_rdoq, tune="psnr", texture=False)
+        ).data
+        error = np.sum((open_stream(data).render().astype(np.float64) - unit) ** 2)
+        costs.append(error + lmbda * 8 * len(data))
+    assert costs[1] < 0.98 * costs[0]
