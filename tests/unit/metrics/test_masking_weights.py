@@ -1,4 +1,4 @@
-"""The weights of squared error against windows summed one by one, and that tiles agree on them."""
+"""Variance around pixels and the weights of squared error against windows one by one, and that tiles agree on them."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from sgicodec.metrics.local_variance import local_variance
 from sgicodec.metrics.masking_weights import masking_weights
 
 F32 = NDArray[np.float32]
@@ -34,3 +35,12 @@ def test_a_tile_that_overlaps_its_neighbours_has_the_weights_of_the_picture() ->
     whole = masking_weights(samples)
     tile = masking_weights(np.ascontiguousarray(samples[:, 12:48, 20:64]))
     np.testing.assert_allclose(tile[5:-5, 5:-5], whole[17:43, 25:59], rtol=1e-5)
+
+
+@pytest.mark.parametrize("shape", [(1, 1), (3, 40), (70, 5), (150, 31)])
+def test_it_is_the_variance_in_each_window(shape: tuple[int, int]) -> None:
+    plane = np.random.default_rng(1).normal(3, 2, shape)
+    found = local_variance(plane)
+    for y, x in np.ndindex(shape):
+        window = plane[max(y - 5, 0) : y + 6, max(x - 5, 0) : x + 6]
+        assert found[y, x] == pytest.approx(window.var(), abs=1e-10)
