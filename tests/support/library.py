@@ -18,7 +18,7 @@ from data_files import GOLDEN, ROOT
 from numpy.typing import NDArray
 
 __all__ = [
-    *("NEEDS_COMPILER", "ROOT", "SAMPLES", "SIZE_UNKNOWN", "Info", "Library", "LibraryError", "Options", "View"),
+    *("NEEDS_COMPILER", "ROOT", "SAMPLES", "Info", "Library", "LibraryError", "Options", "View"),
     *("golden", "installed"),
 ]
 
@@ -27,7 +27,6 @@ NEEDS_COMPILER = [
     pytest.mark.skipif(not shutil.which("cmake") or not shutil.which("cc"), reason="needs cmake and a C compiler"),
 ]
 SAMPLES = ("uint8", "uint16", "float32")
-SIZE_UNKNOWN = 2**64 - 1
 STATUS = (
     *("ok", "usage", "region", "corrupt", "unsupported", "limit"),
     *("source", "memory", "internal", "stopped"),

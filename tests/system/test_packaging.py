@@ -18,7 +18,7 @@ from PIL import Image
 TESTS = Path(__file__).parents[1]
 ROOT = TESTS.parent
 SHARE = ROOT / "share"
-OURS, THEIRS = "image/x-sgicodec", "image/x-sgi"
+OURS = "image/x-sgicodec"
 
 
 def test_the_thumbnailer_writes_a_png_whatever_its_name(tmp_path: Path) -> None:

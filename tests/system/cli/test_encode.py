@@ -154,17 +154,6 @@ def test_settings_that_make_no_sense(picture: Path, options: str, complaint: str
     assert not picture.with_suffix(".sgi").exists()
 
 
-@pytest.mark.parametrize("option", ["--size", "--bpp"])
-def test_a_size_that_is_reached(picture: Path, option: str) -> None:
-    size = 1000
-    asked = size if option == "--size" else 8 * size / (48 * 32)
-    result = sgi("encode", picture, option, asked, "--steps", 40, "--json")
-    assert result.exit_code == 0, result.output
-    written = picture.with_suffix(".sgi").stat().st_size
-    assert json.loads(result.stdout)["bytes"] == written
-    assert 0.97 * size <= written <= size
-
-
 def test_a_size_that_is_missed(picture: Path) -> None:
     """Exit 5, the report as ever, one line of complaint, and the nearest stream, which decodes."""
     target = picture.with_suffix(".sgi")

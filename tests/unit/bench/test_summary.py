@@ -138,11 +138,6 @@ def test_intervals_over_pictures(tmp_path: Path) -> None:
     assert tmp_path / "savings.png" in write_plots(found, tmp_path)
 
 
-def test_two_pictures_have_no_interval(summary: Summary) -> None:
-    tree = json.loads(json.dumps(summary.to_json(), allow_nan=False))
-    assert tree["comparisons"][0]["bd_rate_interval_percent"] == [None, None]
-
-
 def test_curves_of_different_qualities_have_no_plot_of_savings(tmp_path: Path) -> None:
     points = rows("jpeg", "a.png", steep) + rows("sgi", "a.png", lambda bpp: steep(bpp) + 40)
     names = [path.name for path in write_plots(summarise(points, ["sgi", "jpeg"]), tmp_path)]

@@ -10,15 +10,13 @@ from sgicodec.model.layout import adaptive_layout
 from sgicodec.profiles.default import default_settings, default_spec
 from sgicodec.profiles.fit_settings import FitSettings
 
-LMBDA, FAMILY = 0.01, 1
-
 
 def small_fit(settings: FitSettings, weights: NDArray[np.float32] | None = None, side: int = 1) -> Trainer:
     """Of random squares of this side."""
     spec = default_spec(3)
     squares = np.random.default_rng(5).normal(size=(3, 48 // side, 64 // side)).astype(np.float32)
     target = 0.1 * squares.repeat(side, axis=1).repeat(side, axis=2)
-    return Trainer(spec, settings, target, adaptive_layout(target, 2.0), FAMILY, load_prior(spec), weights=weights)
+    return Trainer(spec, settings, target, adaptive_layout(target, 2.0), 1, load_prior(spec), weights=weights)
 
 
 def test_every_second_step_mirrors_the_noise_before() -> None:

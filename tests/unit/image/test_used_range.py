@@ -14,7 +14,7 @@ from sgicodec.image.used_range import SampleUse, UsedRange, stated_use
 from sgicodec.metadata import geo
 from sgicodec.picture import MAX_SAMPLE, Metadata, Picture, exact_samples, nodata_samples
 
-U8, U16, F32 = np.dtype(np.uint8), np.dtype(np.uint16), np.dtype(np.float32)
+U16, F32 = np.dtype(np.uint16), np.dtype(np.float32)
 RAMP = np.linspace(0, 1, 5000).reshape(50, 100, 1)
 
 
