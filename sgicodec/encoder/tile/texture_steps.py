@@ -86,22 +86,22 @@ _SQUARED_STEPS = 0.085
 larger, as dependent symbols want them (docs/notes/2026-11-luma-space.md)."""
 _MAX_ROOT = 7.6
 """Square root of a step, grey levels, above which slopes stay: by eye, steeper ones soften."""
-_EQUAL_STEPS = 428
-"""Index of the step at which colour differences have the same, whatever power they follow: 83 grey levels."""
+_EQUAL_STEPS = 460
+"""Index of the step at which colour differences have the same, whatever power they follow: 165 grey levels."""
 
 TUNINGS = {
     "psnr": TextureTuning(_SQUARED_STEPS, network=1, worth=1.0),
     "visual": TextureTuning(
         *(0.0927, 2, 0.995, 4),
-        finer=39,
-        growth=(1.0, 4.0),
+        finer=45,
+        growth=(1.5, 2.0),
         colours=7 / 8,
         masking=0.4,
         larger=1.3,
     ),
 }
-"""By what an encode is tuned for. Growth, colours, masking: docs/notes/2026-11-texture-visual.md and
-2026-11-equal-losses.md; `larger`: 2026-11-luma-space.md."""
+"""By what an encode is tuned for. Growth, _EQUAL_STEPS, `finer`: docs/notes/2026-11-equal-losses.md, "Steps by frequency
+once more"; masking: 2026-11-texture-visual.md; `larger`: 2026-11-luma-space.md."""
 
 
 _FLOOR, _USUAL = 7.7e-4, 3.9e-3

@@ -3,7 +3,7 @@
 import pytest
 
 from sgicodec import EncodeSettings
-from sgicodec.encoder.effort import PLAIN_STEPS, PSNR_STEPS, VISUAL_STEPS
+from sgicodec.encoder.effort import VISUAL_STEPS
 from sgicodec.errors import UsageError
 from sgicodec.profiles import PROFILES
 from sgicodec.profiles.fit_settings import LearningRates
@@ -22,23 +22,12 @@ def test_rates_hold_and_then_fall_to_what_is_to_be_left() -> None:
 
 
 def test_scales_of_the_default_profile() -> None:
-    """16 steps of quality divide λ by four; an effort is a number of steps; λ and steps take their place."""
+    """16 steps of quality divide λ by four; λ and steps take the place of quality and effort."""
     coarse, fine = (EncodeSettings(quality=quality, effort=2, seed=7).fit_settings() for quality in (40, 56))
     assert coarse.lmbda == pytest.approx(4 * fine.lmbda)
     assert (coarse.steps, coarse.seed) == (VISUAL_STEPS[2], 7)
-    plain = (EncodeSettings(effort=5, tune="psnr"), EncodeSettings(effort=5, psnr=35))
-    assert [settings.fit_settings().steps for settings in plain] == [PSNR_STEPS[5]] * 2
-    assert EncodeSettings(texture=False).fit_settings().steps == PLAIN_STEPS[3]
-    assert EncodeSettings(effort=4).fit_settings().steps == VISUAL_STEPS[4] < PSNR_STEPS[4]
     direct = EncodeSettings(lmbda=0.25, steps=77).fit_settings()
     assert (direct.lmbda, direct.steps) == (0.25, 77)
-
-
-def test_own_choices_of_the_paper_profile() -> None:
-    settings = EncodeSettings(profile="paper", seeds=9, per_seed=3, features=8, levels=2, steps=100)
-    spec, fit = settings.chosen_profile.spec(settings, 4), settings.fit_settings()
-    assert (spec.channels, spec.per_seed, spec.features, spec.layout) == (4, 3, 8, "uniform")
-    assert (fit.seeds, fit.steps, fit.loss, max(phase.level for phase in fit.phases)) == (9, 100, "absolute", 1)
 
 
 @pytest.mark.parametrize("name", PROFILES["paper"].own_choices)
