@@ -1,4 +1,4 @@
-"""Random texture layers, written and read back, and their basis functions as docs/format.md defines them."""
+"""Random texture layers, written and read back."""
 
 from __future__ import annotations
 
@@ -68,23 +68,6 @@ def random_symbols(channels: int, width: int, height: int, seed: int = 0, most: 
         one, two, turn = rng.integers(0, (64, 64, 16)).tolist()
         steps = replace(steps, colours=(one, two, turn))
     return TextureSymbols((width, height), steps, log_size, contrast.astype(np.int8), symbols)
-
-
-def texture_atoms(t: np.ndarray, log_size: int, hard: tuple[bool, bool] = (False, False)) -> np.ndarray:
-    """φ_k [len(t), n] of a cell of side n = 2^log_size at places t, in pixels from where it begins.
-
-    hard: whether the cell begins, and ends, at a border of the root grid, where its window ends abruptly.
-    """
-    side = 1 << log_size
-    omega = np.pi * (np.arange(side) + 0.5) / side
-    window = _edge(t, hard[0]) * _edge(side - t, hard[1])
-    return window[:, None] * np.cos(omega * t[:, None]) * np.sqrt(2 / side)
-
-
-def _edge(t: np.ndarray, hard: bool) -> np.ndarray:
-    if hard:
-        return (t >= 0).astype(np.float64)
-    return np.sin(np.pi / 4 * (1 + np.clip(t / 4, -1, 1)))
 
 
 def read_texture(reader: SymbolReader, size: tuple[int, int], channels: int) -> TextureSymbols | None:
