@@ -5,6 +5,8 @@
 
 namespace sgi {
 
+using namespace texture_models;
+
 namespace {
 
 uint32_t kind_of(int channel) { return uint32_t(std::min<int>(channel, kKinds - 1)); }

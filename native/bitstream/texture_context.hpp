@@ -14,6 +14,9 @@ constexpr int kMagnitudeBits = 8;  // a magnitude is coded as up to eight bits "
 constexpr int kRestDigits = 13;    // of the rest + 1, behind the first
 static_assert(kTextureMost == kMagnitudeBits + (2 << kRestDigits) - 2);
 
+// How the numbers of models and of sets of weights are made.
+namespace texture_models {
+
 constexpr uint32_t kKinds = 3;  // of channels: the first, the second, all others
 constexpr uint32_t kLevelsOf = 16, kZones = 16, kNodes = 64, kExtents = 8;
 constexpr uint32_t kPlaces = 64 + 256 + 256;  // of frequencies of all sizes; those of 32 in pairs
@@ -60,6 +63,8 @@ inline constexpr LevelTable kLevelTable;
 
 // A table, because no branch can be predicted here.
 inline uint32_t level(int sum) { return kLevelTable.of[std::min(sum, kTopLevel)]; }
+
+}  // namespace texture_models
 
 // Models and weights of all bits of texture, none of them seen yet.
 BitModels fresh_texture_models();
@@ -155,6 +160,7 @@ class SymbolContext {
 };
 
 inline SymbolPlace SymbolContext::place(const Frequency &at) const {
+  using namespace texture_models;
   const int index = at.index, half = log_ == kTextureRoot, across = std::min(log_, 4);
   const auto kind = uint32_t(kind_), zone = uint32_t(std::min(15, at.diagonal() >> (log_ - kTextureLeast)));
   const uint32_t place = (log_ == 3 ? 0 : log_ == 4 ? 64 : 320) + uint32_t((at.v >> half) << across | at.u >> half);
@@ -172,6 +178,7 @@ inline SymbolPlace SymbolContext::place(const Frequency &at) const {
 }
 
 inline BitContext SymbolPlace::at(const NearMagnitudes &near, QuantizerState state) const {
+  using namespace texture_models;
   const int total = 3 * near.inside + outside_;
   const uint32_t sum = level(has_before_ ? total * 3 / 4 : total);
   const uint32_t rest = std::min(15u, far_ + 4 * uint32_t(std::min(3, near.next)));
