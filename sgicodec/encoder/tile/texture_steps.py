@@ -92,7 +92,10 @@ _EQUAL_STEPS = 460
 TUNINGS = {
     "psnr": TextureTuning(_SQUARED_STEPS, network=1, worth=1.0),
     "visual": TextureTuning(
-        *(0.0927, 2, 0.995, 4),
+        0.0927,
+        network=2,
+        worth=0.995,
+        stronger=4,
         finer=45,
         growth=(1.5, 2.0),
         colours=7 / 8,
@@ -100,8 +103,8 @@ TUNINGS = {
         larger=1.3,
     ),
 }
-"""By what an encode is tuned for. Growth, _EQUAL_STEPS, `finer`: docs/notes/2026-11-equal-losses.md, "Steps by frequency
-once more"; masking: 2026-11-texture-visual.md; `larger`: 2026-11-luma-space.md."""
+"""By what an encode is tuned for. `finer`, `growth`, _EQUAL_STEPS: docs/notes/2026-11-equal-losses.md; `masking`:
+2026-11-texture-visual.md; `larger`: 2026-11-luma-space.md; `worth`, `stronger`: 2026-11-restoration.md."""
 
 
 _FLOOR, _USUAL = 7.7e-4, 3.9e-3
