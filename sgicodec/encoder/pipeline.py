@@ -153,22 +153,23 @@ class _Request:
             return sum(squared_error(read(0, top, band.width, band.height), band) for top, band in opened.bands())
 
     def psnr(self, stream: bytes | Path | BinaryIO) -> float:
-        """The same of a finished stream as PSNR in dB."""
-        self.listener.stage("verify")
+        """The same as PSNR in dB."""
         header = self.plan.header
         return decibels(self.error(stream), header.width * header.height * header.spec.channels)
 
+    def verified(self, stream: bytes | Path | BinaryIO) -> float:
+        """The PSNR of a finished stream. The listener gets to know."""
+        self.listener.stage("verify")
+        return self.psnr(stream)
+
     def measured(self, stream: bytes, target: RateTarget) -> Measured:
         """What a finished stream is; of its PSNR and score, only what is asked for."""
-        header = self.plan.header
         if target.psnr is not None:
-            return Measured(
-                len(stream), decibels(self.error(stream), header.width * header.height * header.spec.channels)
-            )
+            return Measured(len(stream), self.psnr(stream))
         if target.score is not None:
             with open_stream(stream, self.device.processor) as opened:
                 shown = to_rgb8(opened.picture())
-            seen = to_rgb8(self.windows.read(0, 0, header.width, header.height))
+            seen = to_rgb8(self.windows.read(0, 0, self.plan.header.width, self.plan.header.height))
             return Measured(len(stream), math.inf, visual_score(seen, shown, self.device.processor))
         return Measured(len(stream), math.inf)
 
@@ -179,7 +180,7 @@ class _Request:
         if self.output is None:
             buffer = io.BytesIO()
             size = to(buffer)
-            return buffer.getvalue(), size, self.psnr(buffer.getvalue()) if self.verify else None
+            return buffer.getvalue(), size, self.verified(buffer.getvalue()) if self.verify else None
         if not self.verify:
             with _opened(self.output) as file:
                 return b"", to(file), None
@@ -187,11 +188,11 @@ class _Request:
             with whole_file(self.output) as file:
                 size = to(file)
                 file.flush()
-                return b"", size, self.psnr(Path(file.name))
+                return b"", size, self.verified(Path(file.name))
         with tempfile.TemporaryFile() as file, _opened(self.output) as output:
             size = to(file)
             file.seek(0)
-            psnr = self.psnr(file)
+            psnr = self.verified(file)
             file.seek(0)
             shutil.copyfileobj(file, output)
             return b"", size, psnr
