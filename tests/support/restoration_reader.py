@@ -8,6 +8,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from sgicodec._native import shipped
+
 __all__ = ["OPPONENT", "PARTS", "Network", "another_network", "corrected", "network_of"]
 
 PARTS = Path(__file__).parents[2] / "sgicodec" / "bitstream" / "parts"
@@ -44,7 +46,7 @@ class Network:
 
 def another_network() -> bytes:
     """The file of a network that does not ship: the second that does, with other weights in its last layer."""
-    data = bytearray((PARTS / "restoration2.bin").read_bytes())
+    data = bytearray(shipped("restoration", 2))
     for at in range(len(data) - 6 - 9 * 12 * 3, len(data) - 6, 5):
         data[at] ^= 1
     return bytes(data)
@@ -52,7 +54,7 @@ def another_network() -> bytes:
 
 def network_of(network: int | bytes) -> Network:
     """The shipped network of a number, or that of a file."""
-    data = network if isinstance(network, bytes) else (PARTS / f"restoration{network}.bin").read_bytes()
+    data = network if isinstance(network, bytes) else shipped("restoration", network)
     layers, k = data[0], data[1]
     shapes = [tuple(data[2 + 3 * i : 5 + 3 * i]) for i in range(layers)]
     at, weights, biases = 2 + 3 * layers, [], []
