@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-import math
 import shutil
 import tempfile
 from collections import Counter
@@ -11,12 +10,12 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, BinaryIO
+from typing import TYPE_CHECKING, BinaryIO
 
 from sgicodec.bitstream.stream_writer import write_stream
 from sgicodec.decoder.stream import open_stream
 from sgicodec.device import ALL_CORES, Device, check_device
-from sgicodec.encoder.graphics import with_graphics
+from sgicodec.encoder.graphics import Division, with_graphics
 from sgicodec.encoder.input.overview import overview_picture, overview_settings, takes_overview
 from sgicodec.encoder.input.windows import Windows, kept, windows_of, without_needless_alpha
 from sgicodec.encoder.plan import Plan, stream_plan
@@ -37,7 +36,7 @@ from sgicodec.metrics.distortion import decibels, squared_error
 from sgicodec.metrics.visual_score import visual_score
 from sgicodec.picture import Picture, to_rgb8
 from sgicodec.rate_control.step_search import step_shift
-from sgicodec.rate_control.target import TARGETS, Measured, RateTarget
+from sgicodec.rate_control.target import Measured
 
 if TYPE_CHECKING:
     from sgicodec.image.source import Source
@@ -114,10 +113,13 @@ def encode_picture(
     windows, plan = without_needless_alpha(windows, plan, listener)
     where = Path(output) if isinstance(output, str) else output
     with locked(where) if isinstance(where, Path) else nullcontext():
-        request = _request(windows, plan, where, listener, device, verify)
         settings = plan.settings
-        if settings.target is not None and settings.max_error is None and _at_quality(request, _FIRST_QUALITY).layer:
-            return _at_target(request, executor)
+        if settings.target is not None and settings.max_error is None:
+            first = with_graphics(windows, _at_quality(windows, plan, _FIRST_QUALITY))
+            if first.layer is not None:
+                request = _Request(windows, windows, plan, None, where, listener, device, verify)
+                return _at_target(request, first, executor)
+        request = _request(windows, with_graphics(windows, plan), where, listener, device, verify)
         return _encoded(request, executor, store)
 
 
@@ -162,16 +164,13 @@ class _Request:
         self.listener.stage("verify")
         return self.psnr(stream)
 
-    def measured(self, stream: bytes, target: RateTarget) -> Measured:
-        """What a finished stream is; of its PSNR and score, only what is asked for."""
-        if target.psnr is not None:
-            return Measured(len(stream), self.psnr(stream))
-        if target.score is not None:
-            with open_stream(stream, self.device.processor) as opened:
-                shown = to_rgb8(opened.picture())
-            seen = to_rgb8(self.windows.read(0, 0, self.plan.header.width, self.plan.header.height))
-            return Measured(len(stream), math.inf, visual_score(seen, shown, self.device.processor))
-        return Measured(len(stream), math.inf)
+    def score(self, stream: bytes) -> float:
+        """SSIMULACRA 2 of a finished stream."""
+        header = self.plan.header
+        with open_stream(stream, self.device.processor) as opened:
+            shown = to_rgb8(opened.picture())
+        seen = to_rgb8(self.windows.read(0, 0, header.width, header.height))
+        return visual_score(seen, shown, self.device.processor)
 
     def write(self, to: Callable[[BinaryIO], int]) -> tuple[bytes, int, float | None]:
         """Has a stream written to the output, a path's whole or not at all; returns its data if there is none, its
@@ -199,10 +198,15 @@ class _Request:
 
 
 def _request(
-    windows: Windows, plan: Plan, output: Path | BinaryIO | None, listener: NullListener, device: Device, verify: bool
+    windows: Windows,
+    division: Division,
+    output: Path | BinaryIO | None,
+    listener: NullListener,
+    device: Device,
+    verify: bool,
 ) -> _Request:
-    """One whose text and line art, where that is worth its bytes, is coded apart."""
-    below, plan, layer = with_graphics(windows, plan)
+    """One of a picture that is divided in two."""
+    below, plan, layer = division
     plan = with_quality_calibration(below, plan)
     return _Request(windows, below, plan, layer, output, listener, device, verify)
 
@@ -251,19 +255,22 @@ _FIRST_QUALITY, _STEPS_OF_SHIFT = 60.0, 0.5
 """Of the streams that `_at_target` tries: the first, and steps of quality for a unit of the shift."""
 
 
-def _at_target(request: _Request, executor: Executor | None) -> Encoded:
+def _at_target(request: _Request, first: Division, executor: Executor | None) -> Encoded:
     """The nearest of whole streams at one quality after another: what a residual layer shows of a picture, none of its
-    tiles can measure. Raises TargetMissedError with it.
+    tiles can measure. first: at the first quality. Raises TargetMissedError with it.
     """
-    plan, tried = request.plan, dict[float, tuple[Encoded, Measured]]()
+    plan, windows, tried = request.plan, request.windows, dict[float, tuple[Encoded, Measured]]()
     target = plan.settings.rate_target(plan.header.width * plan.header.height)
     assert target is not None
 
     def measure(shift: float) -> Measured:
         quality = min(max(_FIRST_QUALITY - _STEPS_OF_SHIFT * shift, 1.0), 100.0)
-        encoded = _encoded(_at_quality(request, quality), executor)
-        tried[shift] = encoded, request.measured(encoded.data, target)
-        return tried[shift][1]
+        division = with_graphics(windows, _at_quality(windows, plan, quality)) if shift else first
+        encoded = _encoded(_request(windows, division, None, request.listener, request.device, False), executor)
+        data = encoded.data
+        measured = target.measure(len(data), lambda: request.psnr(data), lambda: request.score(data))
+        tried[shift] = encoded, measured
+        return measured
 
     found, measured = tried[step_shift(target, measure)]
     data, size, psnr = request.write(lambda file: file.write(found.data))
@@ -273,13 +280,10 @@ def _at_target(request: _Request, executor: Executor | None) -> Encoded:
     return encoded
 
 
-def _at_quality(request: _Request, quality: float) -> _Request:
-    """The same without a target, for a stream in memory that tells of it nevertheless."""
-    settings, windows = request.plan.settings, request.windows
-    none: dict[str, Any] = dict.fromkeys(TARGETS)
-    plan = stream_plan(windows.shape, replace(settings, **none, quality=quality, tune=settings.tuned_for))
-    plan = replace(plan, software=request.plan.software)
-    return _request(windows, plan, None, request.listener, request.device, False)
+def _at_quality(windows: Windows, plan: Plan, quality: float) -> Plan:
+    """The plan at a quality, without its target, of which the stream tells nevertheless."""
+    settings = plan.settings.without_target(quality=quality, tune=plan.settings.tuned_for)
+    return replace(stream_plan(windows.shape, settings), software=plan.software)
 
 
 def _residual(request: _Request, finished: Finished, store: Store) -> bytes | None:

@@ -160,10 +160,14 @@ class EncodeSettings:
             return None
         return TARGETS[self.target].rate_target(getattr(self, self.target), pixels)
 
+    def without_target(self, **changes: Any) -> EncodeSettings:
+        """The same without a target, and with changes."""
+        none: dict[str, Any] = dict.fromkeys(TARGETS)
+        return replace(self, **none, **changes)
+
     def at_lmbda(self, lmbda: float, **changes: Any) -> EncodeSettings:
         """The same at λ without a target, and with other changes."""
-        none: dict[str, Any] = dict.fromkeys(TARGETS)
-        return replace(self, **none, lmbda=lmbda, **changes)
+        return self.without_target(lmbda=lmbda, **changes)
 
     def __post_init__(self) -> None:
         for name, kind in self.__annotations__.items():

@@ -100,6 +100,14 @@ class RateTarget:
         values = ((name, getattr(self, name)) for name in _QUANTITIES)
         return next((name, value) for name, value in values if value is not None)
 
+    def measure(self, size: float, psnr: Callable[[], float], score: Callable[[], float]) -> Measured:
+        """What a stream of so many bytes is; of its PSNR and score, only what is asked for is computed."""
+        return Measured(
+            size,
+            math.inf if self.psnr is None else psnr(),
+            math.nan if self.score is None else score(),
+        )
+
     def rate_error(self, measured: Measured) -> float:
         """Estimate of the octaves by which λ should rise: positive where the stream spends more than was asked for."""
         name, wanted = self._asked()

@@ -98,14 +98,16 @@ def _encoded(
 def measured(encoded: EncodedTile, tile: Tile, target: RateTarget) -> Measured:
     """What the stream of the only tile is; of its PSNR and score, only what is asked for."""
     data = stream_of(encoded, tile)
-    if target.psnr is not None:
-        shown = np.array(True) if tile.empty is None else ~tile.empty[..., None]
+
+    def decibels() -> float:
+        counts = np.array(True) if tile.empty is None else ~tile.empty[..., None]
         pictures = (tile.picture, _decoded(data, tile))
-        return Measured(len(data), psnr(*(np.where(shown, comparable(picture), 0) for picture in pictures)))
-    if target.score is not None:
-        seen, shown = to_rgb8(tile.picture), to_rgb8(_decoded(data, tile))
-        return Measured(len(data), math.inf, visual_score(seen, shown, tile.device))
-    return Measured(len(data), math.inf)
+        return psnr(*(np.where(counts, comparable(picture), 0) for picture in pictures))
+
+    def score() -> float:
+        return visual_score(to_rgb8(tile.picture), to_rgb8(_decoded(data, tile)), tile.device)
+
+    return target.measure(len(data), decibels, score)
 
 
 def stream_of(encoded: EncodedTile, tile: Tile) -> bytes:
