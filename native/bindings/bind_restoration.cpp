@@ -5,6 +5,7 @@
 
 #include "bindings/arrays.hpp"
 #include "bindings/bindings.hpp"
+#include "bitstream/header_fields.hpp"
 #include "bitstream/restoration_part.hpp"
 #include "model/colours.hpp"
 
@@ -23,7 +24,8 @@ using OneOf = std::variant<int, nb::bytes>;
 std::shared_ptr<const sgi::RestorationNetwork> network_of(const OneOf &network) {
   const auto *file = std::get_if<nb::bytes>(&network);
   if (!file) return sgi::restoration_network(std::get<int>(network), {});
-  return sgi::restoration_network(sgi::kOwnNetwork, {static_cast<const uint8_t *>(file->data()), file->size()});
+  const sgi::Bytes bytes{static_cast<const uint8_t *>(file->data()), file->size()};
+  return std::make_shared<const sgi::RestorationNetwork>(sgi::parse_restoration(bytes));
 }
 
 sgi::Restoration restoration_of(const Tile &drawn, const OneOf &network, int step, const std::string &isa) {
@@ -55,5 +57,5 @@ void bind_restoration(nb::module_ &m) {
   m.def("restoration_correction", &restoration_correction, "drawn"_a, "network"_a, "step"_a, "threads"_a, "isa"_a,
         "What restoration adds to a tile drawn as [C, H, W], by a shipped network or the file of another. Raises "
         "UnsupportedStreamError for an unknown network.");
-  m.attr("OWN_NETWORK") = sgi::kOwnNetwork;
+  m.attr("OWN_NETWORK") = sgi::kOwnNetwork, m.attr("MAX_NETWORK") = sgi::kMaxNetwork;
 }

@@ -216,11 +216,12 @@ void check_masks(const Header &header) {
     corrupt(std::string("no sample of ") + kSampleNames[int(header.sample_type)] + " is " + text_of(header.nodata));
 }
 
-void check_network(const Header &header) {
+void read_network(Header &header) {
   if (header.network.empty()) return;
   if (!header.spec.restoration) corrupt("a network of restoration that no tile can name");
   try {
-    parse_restoration(header.own_network());
+    const Bytes file{header.network.data(), header.network.size()};
+    header.own_network = std::make_shared<const RestorationNetwork>(parse_restoration(file));
   } catch (const std::logic_error &error) {
     corrupt(error.what());
   }
@@ -246,7 +247,7 @@ Header decode_header(Bytes payload) {
   visit_fields(header, fields);
   if (!fields.at_end()) corrupt("longer than its fields");
   check_model(header.spec), check_layout(header), check_ranges(header), check_masks(header), check_tiles(header);
-  check_network(header);
+  read_network(header);
   return header;
 }
 

@@ -1,6 +1,7 @@
 // The header chunk: what picture this is and what kind of model it holds (docs/format.md, "Header fields").
 #pragma once
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "base/bytes.hpp"
@@ -9,6 +10,8 @@
 #include "model/tile_grid.hpp"
 
 namespace sgi {
+
+struct RestorationNetwork;
 
 enum class ChannelLayout { multi, gray, gray_alpha, rgb, rgba };
 enum class Masked { none, transparent, nodata };
@@ -31,8 +34,8 @@ struct Header {
   bool has_band_masks;  // whether tiles may say so of each band by itself
   bool has_exact;       // whether tiles list samples that they state exactly
   std::vector<uint8_t> network;  // the file of the picture's own network of restoration; empty for none
+  std::shared_ptr<const RestorationNetwork> own_network;  // what it holds, once a header was decoded
 
-  Bytes own_network() const { return {network.data(), network.size()}; }
   // The channel that is alpha, or -1; the channels besides it.
   int alpha() const;
   int colours() const { return alpha() < 0 ? spec.channels : spec.channels - 1; }

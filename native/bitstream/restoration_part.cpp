@@ -20,18 +20,18 @@ const std::shared_ptr<const RestorationNetwork> &parsed() {
 
 }  // namespace
 
-std::shared_ptr<const RestorationNetwork> restoration_network(int number, Bytes own) {
+const SharedNetwork &restoration_network(int number, const SharedNetwork &own) {
   if (number == 1) return parsed<1>();
   if (number == 2) return parsed<2>();
   if (number == kOwnNetwork) {
-    if (!own.size) throw Error(Fault::corrupt, "restoration: a network of its own that the picture does not have");
-    return std::make_shared<const RestorationNetwork>(parse_restoration(own));
+    if (!own) throw Error(Fault::corrupt, "restoration: a network of its own that the picture does not have");
+    return own;
   }
   throw Error(Fault::unsupported,
               "restoration: network " + std::to_string(number) + "; this program has networks 1 and 2");
 }
 
-RestorationChoice read_restoration_part(SymbolReader &reader, Bytes own) {
+RestorationChoice read_restoration_part(SymbolReader &reader, const SharedNetwork &own) {
   RestorationChoice choice{reader.number(kNetworkBits), 0};
   if (!choice.network) return choice;
   restoration_network(choice.network, own);

@@ -130,7 +130,7 @@ class TileReader {
     model_.coding.texture = read_texture_part(reader_, header_.width, header_.height, spec_.channels, memory_);
   }
 
-  void read_restoration() { model_.restoration = read_restoration_part(reader_, header_.own_network()); }
+  void read_restoration() { model_.restoration = read_restoration_part(reader_, header_.own_network); }
 
   const Header &header_;
   const ModelSpec &spec_;

@@ -105,7 +105,7 @@ void TileRenderer::take(const TileModel &model, int threads) {
   if (spec.luma_space) leave_luma_space(gaussians_);
   texture_mix_ = texture_mix(spec.channels, spec.luma_space);
   if (const RestorationChoice &choice = model.restoration; choice.network)
-    restoration_.emplace(restoration_network(choice.network, header_.own_network()), choice.step, spec.channels,
+    restoration_.emplace(restoration_network(choice.network, header_.own_network), choice.step, spec.channels,
                          texture_mix_, header_.width, header_.height, settings_.isa);
   texture_ = model.texture(threads);
   if (!texture_) return;

@@ -179,8 +179,10 @@ def encode(
             raise UsageError("--lossless and --max-error exclude each other")
         choices["max_error"] = 0
     if choices["network"] is not None:
+        from sgicodec._native import MAX_NETWORK
+
         with open(choices["network"], "rb") as file:
-            choices["network"] = file.read()
+            choices["network"] = file.read(MAX_NETWORK + 1)
     settings = _settings(choices)
     if cluster is None and (source_at is not None or send_pixels):
         raise UsageError("--source-at and --send-pixels go with --cluster")
