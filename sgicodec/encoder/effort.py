@@ -9,7 +9,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from sgicodec.profiles.default import SHORT_STEPS
 from sgicodec.rdoq.settings import RdoqSettings
 from sgicodec.rdoq.texture import NO_SPLIT_SEARCH, SPLIT_SEARCH_MARGIN
 
@@ -37,7 +36,7 @@ VISUAL_STEPS = {1: 120, 2: 200, 3: 300, 4: 320, 5: 600, 6: 1000, 7: 1600, 8: 250
 HANDOVER_STEPS: dict[Tune, int] = {"psnr": 400, "visual": 310}
 """From so many on, seeds are handed over to texture."""
 LOW_EFFORT_STEPS = 300
-"""Fits of fewer steps beneath texture leave out what gains little for its time."""
+"""From so many on, all that RDOQ and the search of texture have is worth its time."""
 
 
 @dataclass(frozen=True)
@@ -46,11 +45,8 @@ class Effort:
 
     steps: int
     """Optimisation steps of the fit, all phases together."""
-    scout: bool
-    """Whether a short fit comes first, which says where texture is cheaper than seeds."""
     handover: bool
-    """Whether seeds that texture shows for less are handed over to it in the course of the fit, and texture is searched
-    wherever seeds are weighed against it. An estimate of its cost takes a tenth of the time."""
+    """Whether seeds that texture shows for less are handed over to it in the course of the fit."""
     seed_price: float
     """λ of the seeds in the fit, in the λ of the encode."""
     rdoq: RdoqSettings
@@ -79,14 +75,13 @@ def effort_of(steps: int, tuned_for: Tune, is_low: bool = False) -> Effort:
     on is worth its time from there on; before, more steps gain more in the same time.
     """
     eye = tuned_for == "visual"
-    scout, handover = steps >= SHORT_STEPS or not is_low, steps >= HANDOVER_STEPS[tuned_for]
+    handover = steps >= HANDOVER_STEPS[tuned_for]
     rdoq_passes = _within(2, round(steps / 250), 32)
     ascent_passes = _passes(steps, handover) if eye else 0
     return Effort(
         steps=steps,
-        scout=scout,
         handover=handover,
-        seed_price=_seed_price(steps, handover) if scout else UNSCOUTED_PRICE,
+        seed_price=_seed_price(steps, handover),
         rdoq=RdoqSettings(passes=1, deep=1, rounds=2) if is_low else RdoqSettings(passes=rdoq_passes),
         split_margin=NO_SPLIT_SEARCH if is_low else SPLIT_SEARCH_MARGIN,
         rounds=0 if eye else _within(0, 1 + (steps - 375) // 225, 6),
@@ -95,15 +90,13 @@ def effort_of(steps: int, tuned_for: Tune, is_low: bool = False) -> Effort:
     )
 
 
-UNSCOUTED_PRICE = 6.0
-"""`seed_price` of seeds that no short fit has placed: fewer of them, and texture over all."""
-_HANDED_OVER = 0.7
+_HANDED_OVER = 0.5
 """Factor of `seed_price` where seeds are handed over later, so that a fit may begin with more of them."""
 
 
 def _seed_price(steps: int, handover: bool) -> float:
     """What seeds leave costs less as texture than as more seeds; the shorter the fit, the more of it."""
-    price = min(max(2.8 * float((200 / steps) ** 0.3), 1.4), 2.8)
+    price = min(max(4.2 * float((200 / steps) ** 0.3), 2.1), 5.0)
     return max(1.0, _HANDED_OVER * price) if handover else price
 
 

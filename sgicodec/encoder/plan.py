@@ -90,7 +90,7 @@ class Plan:
 
     def at(self, lmbda: float, quality: int) -> Plan:
         """The same for tiles that are fitted at λ, whatever the target, with this index of the base colour step."""
-        settings = self.settings.at_lmbda(lmbda, low_effort=self.settings.is_low_effort)
+        settings = self.settings.at_lmbda(lmbda, low_effort=self.settings.is_hurried)
         return replace(self, header=replace(self.header, quality=quality), settings=settings)
 
 

@@ -9,7 +9,7 @@ from numbers import Integral, Real
 from typing import Any, Literal
 
 from sgicodec.bitstream.header import MAX_APRON, MAX_SIDE, MIN_TILE
-from sgicodec.encoder.effort import LOW_EFFORT_STEPS, Effort, Tune, effort_of, steps_of
+from sgicodec.encoder.effort import HANDOVER_STEPS, LOW_EFFORT_STEPS, Effort, Tune, effort_of, steps_of
 from sgicodec.errors import UsageError
 from sgicodec.model.tile_grid import TileGrid
 from sgicodec.profiles import PROFILES, Profile
@@ -88,8 +88,8 @@ class EncodeSettings:
     loss; None for no layer, but for text, line art and screens that take no more bytes so.
     """
     low_effort: bool | None = None
-    """Whether fits of fewer than 300 steps beneath texture leave out what gains little for its time; None for those
-    without a target, whose estimates were measured with all of it.
+    """Whether short fits beneath texture leave out what gains little for its time; None for those without a target,
+    whose estimates were measured with all of it.
     """
 
     @property
@@ -108,9 +108,19 @@ class EncodeSettings:
 
     @property
     def is_low_effort(self) -> bool:
-        """Whether what gains little for its time is left out, in the fit and after it."""
+        """Whether RDOQ and the search of texture leave out what gains little for its time."""
+        return self.is_hurried and self.fit_steps < LOW_EFFORT_STEPS
+
+    @property
+    def is_coarse_fit(self) -> bool:
+        """Whether most of the fit runs at half size: it hands no seeds over, and texture shows the pixels."""
+        return self.is_hurried and self.fit_steps < HANDOVER_STEPS[self.tuned_for]
+
+    @property
+    def is_hurried(self) -> bool:
+        """Whether a short fit, as this may be one, leaves out what gains little for its time."""
         asked = self.target is None if self.low_effort is None else self.low_effort
-        return asked and self.texture and self.profile == "default" and self.fit_steps < LOW_EFFORT_STEPS
+        return asked and self.texture and self.profile == "default"
 
     @property
     def chosen_effort(self) -> Effort:

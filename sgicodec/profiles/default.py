@@ -12,8 +12,8 @@ from sgicodec.profiles.profile import Choices, Profile
 __all__ = ["DEFAULT", "SHORT_STEPS", "default_settings", "default_spec", "lmbda_of_quality"]
 
 SHORT_STEPS = 150
-"""Low efforts of fewer steps do without what pays in longer ones: no short fit before, and half of their steps at a
-quarter of the size, for 0.3 % more bytes in nine tenths of the time (docs/notes/2026-11-ladder.md)."""
+"""Coarse fits of fewer steps take half of them at a quarter of the size, for 0.3 % more bytes in nine tenths of the
+time (docs/notes/2026-11-ladder.md)."""
 
 
 def default_spec(channels: int, prior: int = 3, texture: bool = False) -> ModelSpec:
@@ -34,9 +34,9 @@ def default_spec(channels: int, prior: int = 3, texture: bool = False) -> ModelS
     )
 
 
-def default_settings(lmbda: float, steps: int, low_effort: bool = False) -> FitSettings:
-    """The `default` profile in `steps` steps."""
-    phases = low_effort_phases(steps) if low_effort else default_phases(steps)
+def default_settings(lmbda: float, steps: int, coarse: bool = False) -> FitSettings:
+    """The `default` profile in `steps` steps. coarse: most of them at half size."""
+    phases = coarse_phases(steps) if coarse else default_phases(steps)
     return FitSettings(lmbda=lmbda, phases=phases, reference_steps=800)
 
 
@@ -55,7 +55,7 @@ def default_phases(steps: int) -> tuple[Phase, ...]:
     )
 
 
-def low_effort_phases(steps: int) -> tuple[Phase, ...]:
+def coarse_phases(steps: int) -> tuple[Phase, ...]:
     """The same with most of the noise phase at half size, or at a quarter and then at half, where a step takes a third
     or a ninth of the time.
 
@@ -88,7 +88,7 @@ def _spec(choices: Choices, channels: int) -> ModelSpec:
 
 def _fit_settings(choices: Choices) -> FitSettings:
     lmbda = lmbda_of_quality(choices.chosen_quality) if choices.lmbda is None else choices.lmbda
-    return default_settings(max(lmbda, 1e-9), choices.fit_steps, choices.is_low_effort)
+    return default_settings(max(lmbda, 1e-9), choices.fit_steps, choices.is_coarse_fit)
 
 
 DEFAULT = Profile(

@@ -1,10 +1,10 @@
 """What seeds hand over to texture in the course of a fit: those that show less than their bits would buy there.
 
-Weights of a short fit ([sharing.py](sharing.py)) say where seeds begin to show a picture. Once the fit
-itself knows what they show, texture is weighed against them in each superblock of the texture layer: over all of its
-seeds, over fewer and over none. The cheapest stays, squared error plus λ times bits. Over all and none texture is
-searched; in between the estimate of its cost is corrected by what the search found there. The search over all seeds
-begins a little ahead, over what they leave then: beside the fit, which goes on.
+The picture's edges ([sharing.py](sharing.py)) say where seeds begin to show it. Once the fit itself knows what they
+show, texture is weighed against them in each superblock of the texture layer: over all of its seeds, over fewer and
+over none. The cheapest stays, squared error plus λ times bits. Over all and none texture is searched; in between the
+estimate of its cost is corrected by what the search found there. The search over all seeds begins a little ahead, over
+what they leave then: beside the fit, which goes on.
 """
 
 from __future__ import annotations
@@ -17,21 +17,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from sgicodec.encoder.tile.sharing import (
-    BLEND,
-    MIN_WEIGHT,
-    POSITION_BITS,
-    TextureCosts,
-    of_pixels,
-    seed_superblocks,
-    smoothed,
-)
+from sgicodec.encoder.tile.sharing import BLEND, MIN_WEIGHT, of_pixels, smoothed
+from sgicodec.encoder.tile.texture_costs import TextureCosts
+from sgicodec.model.texture import ROOT_LOG
 from sgicodec.model.texture_symbols import roots_of
 
 if TYPE_CHECKING:
     from sgicodec.fit.trainer import Trainer
 
-__all__ = ["HANDOVER", "LOOK_AHEAD", "Handover"]
+__all__ = ["HANDOVER", "LOOK_AHEAD", "POSITION_BITS", "Handover"]
 
 F32 = NDArray[np.float32]
 F64 = NDArray[np.float64]
@@ -43,6 +37,8 @@ HANDOVER = 0.4
 (docs/notes/2026-11-encode-speed.md), 0.7 too (docs/notes/2026-11-fit-trials.md)."""
 LOOK_AHEAD = 0.3
 """Fraction of a fit after which texture is searched over what seeds leave: beside the fit, where there are cores."""
+POSITION_BITS = 3.5
+"""What the position of a seed adds to its bits."""
 SHARES = (0.0, 0.6, 1.0)
 """Of a superblock's seeds, the faintest first: what is tried without them (docs/notes/2026-11-fit-trials.md)."""
 _NEAR = 1.0
@@ -151,7 +147,9 @@ class Handover:
         """The superblock [N] that each seed's centre lies in, row by row."""
         _, height, width = self.texture.target.shape
         columns, rows = roots_of(width, height)
-        return seed_superblocks(self.trainer.seeds.layout, (rows, columns))
+        column, row = self.trainer.seeds.layout.centre.astype(np.int64).T >> ROOT_LOG
+        superblock: NDArray[np.int64] = np.minimum(row, rows - 1) * columns + np.minimum(column, columns - 1)
+        return superblock
 
     def _ranks(self) -> F64:
         """Each seed's rank [N] among those of its superblock by its energy, faintest first, above 0 and below 1."""

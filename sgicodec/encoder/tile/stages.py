@@ -1,7 +1,7 @@
 """The stages of a tile, in their order: from pixels to a model, which `writing` makes a stream of.
 
 prepare      samples, the base layer, and what it leaves to seeds and texture
-share        a short fit says where texture is cheaper than seeds
+share        detail without a direction is left to texture
 fit          seeds by gradient descent; in its course some are handed over to texture
 rdoq         symbols of least error plus λ times bits
 requantise   towards least squared error: seeds once more, for what texture leaves
@@ -20,8 +20,9 @@ from sgicodec.bitstream.parts.tile import TileModel
 from sgicodec.encoder.tile.handover import HANDOVER, LOOK_AHEAD, Handover
 from sgicodec.encoder.tile.least_squares import LeastSquares, requantise_seeds_under_texture
 from sgicodec.encoder.tile.perceptual import Perceptual
-from sgicodec.encoder.tile.sharing import TextureCosts, seed_weights
+from sgicodec.encoder.tile.sharing import seed_weights
 from sgicodec.encoder.tile.state import Prepared, Tile, TileState
+from sgicodec.encoder.tile.texture_costs import TextureCosts
 from sgicodec.fit.base_layer import base_layer
 from sgicodec.fit.trainer import Fitted, Trainer
 from sgicodec.model.layout import ROOT_LOG, SeedLayout, adaptive_layout, cell_sums, uniform_layout
@@ -69,19 +70,16 @@ def prepare(tile: Tile, lmbda: float) -> Prepared:
     seed_price = tile.effort.seed_price if tile.spec.texture else 1.0
     fit = replace(tile.fit, lmbda=lmbda * seed_price)
     base_step, base, target = base_layer(tile.spec, tile.unit, fit.lmbda)
-    costs = TextureCosts(target, lmbda, tile.device)
-    return Prepared(tile, lmbda, fit, base_step, base, target, costs, tile.weights)
+    return Prepared(tile, lmbda, fit, base_step, base, target, tile.weights)
 
 
 def share(prepared: Prepared) -> Prepared:
-    """Lets seeds count less where texture follows for fewer bits, as a short fit says."""
+    """Lets seeds count less where texture follows for fewer bits."""
     tile = prepared.tile
     tile.watch.stage("prepare")
-    if not (tile.spec.texture and tile.effort.scout):
+    if not tile.spec.texture:
         return prepared
-    part = seed_weights(tile.spec, prepared.fit, prepared.costs, tile.header.family, tile.effort.handover)
-    if part is None:
-        return prepared
+    part = seed_weights(prepared.target, prepared.lmbda)
     return replace(prepared, weights=part if tile.weights is None else part * tile.weights)
 
 
@@ -116,17 +114,18 @@ def _first_layout(prepared: Prepared) -> SeedLayout:
 def _run(trainer: Trainer, prepared: Prepared) -> None:
     """All phases of a fit, in the course of which seeds hand over to texture."""
     tile, ahead = prepared.tile, None
+    costs = TextureCosts(prepared.target, prepared.lmbda, tile.device)
     hands_over = tile.spec.texture and tile.effort.handover
     for progress in trainer.iterate():
         if not tile.watch.step(progress):
             break
         done = trainer.schedule.done if hands_over else 0.0
         if done >= LOOK_AHEAD and ahead is None:
-            ahead = Handover(trainer, prepared.costs).offsets_ahead()
+            ahead = Handover(trainer, costs).offsets_ahead()
         if done >= HANDOVER:
             hands_over = False
             if ahead is not None:
-                Handover(trainer, prepared.costs, ahead).run()
+                Handover(trainer, costs, ahead).run()
 
 
 def in_integers(prepared: Prepared, fitted: Fitted) -> TileState:

@@ -17,7 +17,6 @@ from sgicodec.encoder.input.nodata import Bare, bare_samples, coded_samples, wit
 from sgicodec.encoder.plan import Plan
 from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.encoder.tile.restoration import Restorer, Strength
-from sgicodec.encoder.tile.sharing import TextureCosts
 from sgicodec.encoder.tile.texture_steps import TUNINGS, Masking, TextureTuning
 from sgicodec.metrics.masking_weights import masking_weights
 from sgicodec.model.luma_space import to_luma_space
@@ -198,8 +197,6 @@ class Prepared:
     """[C, rows, columns]: the base layer, in steps."""
     target: F32
     """[C, H, W]: `unit` less the base layer, which is what seeds and texture are to show."""
-    costs: TextureCosts
-    """Of texture over parts of the target."""
     weights: F32 | None
     """[H, W]: what squared errors of seeds count: as in the tile, less where texture follows for fewer bits."""
 

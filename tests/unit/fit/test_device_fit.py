@@ -38,20 +38,20 @@ def fit(settings: FitSettings, device: Device, prior: int = 3) -> tuple[Fitted, 
     return trainer.result(), [10 ** (-p.psnr / 10) * target.size + LMBDA * p.bits for p in seen], trainer
 
 
-def still(steps: int, low_effort: bool = False) -> FitSettings:
+def still(steps: int, coarse: bool = False) -> FitSettings:
     """Without pruning or growth, whose decisions differ where two float32 programs do."""
-    settings = default_settings(LMBDA, steps, low_effort)
+    settings = default_settings(LMBDA, steps, coarse)
     return replace(settings, phases=tuple(replace(phase, prune=0, grow=0) for phase in settings.phases))
 
 
-@pytest.mark.parametrize(("prior", "low_effort"), [(3, False), (0, False), (3, True)])
-def test_the_loss_is_the_processors(prior: int, low_effort: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize(("prior", "coarse"), [(3, False), (0, False), (3, True)])
+def test_the_loss_is_the_processors(prior: int, coarse: bool, monkeypatch: pytest.MonkeyPatch) -> None:
     """The first one, and over the second half of a fit within 2 %: portable code and AVX2 differ by up to 0.9 % there,
     for Adam amplifies what float32 rounds.
     """
     losses = []
     for device in (only_gpu(monkeypatch), ONE_THREAD):
-        _, loss, trainer = fit(still(80, low_effort), device, prior)
+        _, loss, trainer = fit(still(80, coarse), device, prior)
         assert (trainer.on_gpu is not None) == (device.gpu is not None)
         losses.append((loss[0], np.mean(loss[40:])))
     assert losses[0][0] == pytest.approx(losses[1][0], rel=1e-5)

@@ -13,10 +13,11 @@ from sgicodec.device import Device
 from sgicodec.encoder.plan import Shape, stream_plan
 from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.encoder.tile import stages
-from sgicodec.encoder.tile.handover import HANDOVER, Handover
-from sgicodec.encoder.tile.sharing import MIN_WEIGHT, POSITION_BITS, TextureCosts
+from sgicodec.encoder.tile.handover import HANDOVER, POSITION_BITS, Handover
+from sgicodec.encoder.tile.sharing import MIN_WEIGHT
 from sgicodec.encoder.tile.stages import encode, fit, prepare, share
 from sgicodec.encoder.tile.state import Prepared, tile_of
+from sgicodec.encoder.tile.texture_costs import TextureCosts
 from sgicodec.encoder.tile.writing import write
 from sgicodec.fit.trainer import Trainer
 from sgicodec.picture import Picture
@@ -26,7 +27,7 @@ HEIGHT, WIDTH = 128, 256
 
 
 def prepared(pixels: np.ndarray, channels: Any = "rgb", **settings: Any) -> Prepared:
-    """Without a short fit."""
+    """Before anything is shared out."""
     picture = Picture(pixels, channels, (0.0, 255.0))
     every: dict[str, Any] = {"lmbda": LMBDA, "steps": EXACT_STEPS, "tune": "psnr"} | settings
     plan = stream_plan(Shape.of(picture), EncodeSettings(**every))
@@ -61,7 +62,7 @@ def cost(part: Prepared, trainer: Trainer, kept: np.ndarray) -> float:
 def test_seeds_leave_cloth_and_stay_on_lines(part: Prepared) -> None:
     trainer = fit_under_way(part)
     x = trainer.seeds.layout.centre[:, 0]
-    kept, shares = Handover(trainer, part.costs).chosen()
+    kept, shares = Handover(trainer, TextureCosts(part.target, LMBDA)).chosen()
     assert (x < 96).sum() > 50
     assert kept[x < 96].mean() < 0.1
     assert kept[x > 160].mean() > 0.8
@@ -73,7 +74,7 @@ def test_seeds_leave_cloth_and_stay_on_lines(part: Prepared) -> None:
 def test_errors_count_least_where_no_seed_is_left(part: Prepared) -> None:
     trainer = fit_under_way(part)
     before = len(trainer.seeds)
-    Handover(trainer, part.costs).run()
+    Handover(trainer, TextureCosts(part.target, LMBDA)).run()
     assert len(trainer.seeds) < before
     assert trainer.weights is not None
     assert trainer.weights.min() == np.float32(MIN_WEIGHT)
@@ -85,7 +86,7 @@ def test_errors_count_least_where_no_seed_is_left(part: Prepared) -> None:
 def test_weights_stay_below_those_before(part: Prepared) -> None:
     given = np.random.default_rng(3).uniform(0.01, 2.0, (HEIGHT, WIDTH)).astype(np.float32)
     trainer = fit_under_way(part, given)
-    Handover(trainer, part.costs).run()
+    Handover(trainer, TextureCosts(part.target, LMBDA)).run()
     assert trainer.weights is not None
     assert np.all(trainer.weights <= np.maximum(given, 0))
     assert np.all(trainer.weights >= np.minimum(given, MIN_WEIGHT))
@@ -97,7 +98,7 @@ def test_where_all_seeds_pay_nothing_changes() -> None:
     part = prepared(np.repeat(edge[..., None], 3, axis=2))
     trainer = fit_under_way(part)
     weights, layout = trainer.weights, trainer.seeds.layout
-    Handover(trainer, part.costs).run()
+    Handover(trainer, TextureCosts(part.target, LMBDA)).run()
     assert trainer.weights is weights
     assert trainer.seeds.layout is layout
 
@@ -107,7 +108,7 @@ def test_one_seed_stays_over_noise(channels: str) -> None:
     noise = np.random.default_rng(4).integers(0, 256, (64, 64, 1 if channels == "gray" else 4)).astype(np.uint8)
     part = prepared(noise, channels)
     trainer = fit_under_way(part)
-    Handover(trainer, part.costs).run()
+    Handover(trainer, TextureCosts(part.target, LMBDA)).run()
     assert len(trainer.seeds) >= 1
 
 

@@ -19,7 +19,7 @@ from sgicodec.encoder.tile.state import TileState, Watch, tile_of
 from sgicodec.encoder.tile.writing import stream_of, write
 from sgicodec.metrics.distortion import squared_error
 
-STEPS = 350
+STEPS = 600
 
 
 @cache
