@@ -95,7 +95,9 @@ _HANDED_OVER = 0.5
 
 
 def _seed_price(steps: int, handover: bool) -> float:
-    """What seeds leave costs less as texture than as more seeds; the shorter the fit, the more of it."""
+    """What seeds leave costs less as texture than as more seeds; the shorter the fit, the more of it
+    (docs/notes/2026-11-texture-share.md).
+    """
     price = min(max(4.2 * float((200 / steps) ** 0.3), 2.1), 5.0)
     return max(1.0, _HANDED_OVER * price) if handover else price
 

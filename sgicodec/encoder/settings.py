@@ -118,7 +118,7 @@ class EncodeSettings:
 
     @property
     def is_hurried(self) -> bool:
-        """Whether a short fit, as this may be one, leaves out what gains little for its time."""
+        """Whether a fit beneath texture leaves out what gains little for its time, if it is short."""
         asked = self.target is None if self.low_effort is None else self.low_effort
         return asked and self.texture and self.profile == "default"
 
