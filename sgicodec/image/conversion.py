@@ -91,7 +91,7 @@ def array_picture(
         and not use_of(pixels, layout, nodata, sample_range).opacity
     ):
         layout, remark = "multi", _NO_OPACITY
-    if layout != "multi" and layout not in LAYOUTS:
+    if layout not in ("multi", *LAYOUTS):
         raise UsageError(f"channels {channels!r}; there are {', '.join(LAYOUTS)} and multi")
     picture = _picture(pixels, layout, sample_range, Metadata(), nodata)
     return picture if remark is None else replace(picture, remark=remark)

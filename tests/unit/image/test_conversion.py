@@ -94,6 +94,7 @@ def test_images_of_pillow_are_what_their_files_are() -> None:
         (np.zeros((0, 4), np.uint8), {}, "not empty"),
         (np.full((2, 2), 1e300), {}, "beyond float32"),
         (RGB, {"channels": "bgr"}, "there are gray"),
+        (RGB, {"channels": ["red", "green", "blue"]}, "there are gray"),
         (RGB, {"channels": "gray"}, "3 channels cannot be"),
         (RGB.astype(np.float32), {"sample_range": 3}, "two numbers"),
         (Image.fromarray(RGB), {"channels": "rgb"}, "has a mode"),
