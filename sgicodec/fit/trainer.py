@@ -113,12 +113,6 @@ class Trainer:
         gpu = getattr(self.on_gpu or self.gradient_step, "gpu", None)
         return PROCESSOR if gpu is None else str(gpu.name)
 
-    def run(self) -> Fitted:
-        """All phases."""
-        for _ in self.iterate():
-            pass
-        return self.result()
-
     def iterate(self) -> Iterator[Progress]:
         """Steps one at a time through all phases."""
         for index, phase in enumerate(self.settings.phases):

@@ -9,9 +9,9 @@ from sgicodec.model.spec import ContextSpec, ModelSpec
 from sgicodec.profiles.fit_settings import FitSettings, Phase
 from sgicodec.profiles.profile import Choices, Profile
 
-__all__ = ["DEFAULT", "SHORT_STEPS", "default_settings", "default_spec", "lmbda_of_quality"]
+__all__ = ["DEFAULT", "default_settings", "default_spec", "lmbda_of_quality"]
 
-SHORT_STEPS = 150
+_SHORT_STEPS = 150
 """Coarse fits of fewer steps take half of them at a quarter of the size, for 0.3 % more bytes in nine tenths of the
 time (docs/notes/2026-11-ladder.md)."""
 
@@ -64,7 +64,7 @@ def coarse_phases(steps: int) -> tuple[Phase, ...]:
     """
     free, noisy, rounded = default_phases(steps)
     begin: tuple[Phase, ...]
-    if steps >= SHORT_STEPS:
+    if steps >= _SHORT_STEPS:
         coarse = round(0.7 * noisy.steps)
         begin = free, replace(noisy, steps=max(1, coarse), level=1, prune=5, grow=3)
     else:

@@ -23,7 +23,7 @@ FULL_COHERENCE, OCTAVES = 0.82, 14.0
 """Coherence from which on seeds count in full, and the octaves by which they count less for each unit below it
 (docs/notes/2026-11-texture-share.md, "One look at edges in place of a short fit")."""
 MIN_WEIGHT = 1 / 32
-"""The least."""
+"""The least weight."""
 CALM_BITS = 48.0
 """Bits of texture in a superblock. Where they would buy all of its detail, seeds count in full: there is nothing to
 share."""

@@ -1,5 +1,7 @@
 """What a fit does from step to step, seen on a picture of a few seeds."""
 
+from collections import deque
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -33,7 +35,7 @@ def test_weights_move_seeds_to_where_errors_count() -> None:
     errors, shares = [], []
     for some in (None, weights):
         trainer = small_fit(default_settings(0.01, 120), some, side=8)
-        trainer.run()
+        deque(trainer.iterate(), maxlen=0)
         drawn = trainer.raster.forward(*trainer.seeds.gaussians(), 64, 48)
         squares = (trainer.levels[0].samples - drawn)[:, :, 32:] ** 2
         errors.append(float(squares.sum()))

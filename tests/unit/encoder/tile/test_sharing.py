@@ -15,7 +15,9 @@ from sgicodec.encoder.tile.stages import encode, prepare, share
 from sgicodec.encoder.tile.state import Prepared, tile_of
 from sgicodec.encoder.tile.texture_costs import TextureCosts
 from sgicodec.encoder.tile.writing import write
+from sgicodec.model.texture_symbols import root_blocks
 from sgicodec.picture import Picture
+from sgicodec.rdoq.texture import superblock_planes
 
 LMBDA = 0.002
 
@@ -62,6 +64,8 @@ def test_the_estimate_follows_the_search(channels: int) -> None:
     residual = (contrast * rng.normal(size=(channels, 96, 160))).astype(np.float32)
     costs = TextureCosts(residual, LMBDA)
     estimated, searched = costs.estimated_over(residual), costs.over(residual)
+    nothing = root_blocks(np.square(superblock_planes(residual)).sum(axis=0), "constant").sum(axis=(1, 3))
+    assert np.all(estimated <= nothing * (1 + 1e-6))
     assert np.corrcoef(np.log(estimated).ravel(), np.log(searched).ravel())[0, 1] > 0.95
     assert 0.5 < np.median(estimated / searched) < 1.2
 
