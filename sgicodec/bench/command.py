@@ -14,7 +14,8 @@ import click
 from sgicodec.bench.options import numbers, place, variant
 from sgicodec.errors import OutputExistsError, SgiError, StreamError, TargetMissedError, UsageError, require
 from sgicodec.metadata.layouts import range_text
-from sgicodec.remote.url import is_url, open_url
+from sgicodec.remote.remote_file import open_url
+from sgicodec.remote.url import is_url
 
 if TYPE_CHECKING:
     import numpy as np

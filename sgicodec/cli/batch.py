@@ -13,9 +13,10 @@ import click
 
 from sgicodec.cli.files import complain
 from sgicodec.cli.json_output import print_json
-from sgicodec.cli.paths import STANDARD, display, is_remote, local_name
+from sgicodec.cli.paths import STANDARD, display, local_name
 from sgicodec.cli.progress import Mode, batch_progress
 from sgicodec.errors import BatchError, SgiError, UsageError
+from sgicodec.remote.url import is_url
 
 __all__ = ["Batch", "Item", "batch_items"]
 
@@ -129,7 +130,7 @@ def time_left(files: int, finished: int, seconds: float) -> str:
 
 
 def _make_folder(folder: str) -> None:
-    if is_remote(folder):
+    if is_url(folder):
         raise UsageError(f"{folder}: a URL can be read, not written; name a folder")
     try:
         os.makedirs(folder or ".", exist_ok=True)

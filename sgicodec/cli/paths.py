@@ -12,6 +12,7 @@ from sgicodec.cli.standard_streams import check_stdout
 from sgicodec.device import ALL_CORES, Device
 from sgicodec.errors import OutputExistsError, SgiError, StreamError, UsageError
 from sgicodec.plugins.ome_name import is_zarr_name
+from sgicodec.remote.url import file_name, is_url
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -22,7 +23,6 @@ __all__ = [
     "STANDARD",
     "check_output",
     "display",
-    "is_remote",
     "is_stream",
     "local_name",
     "naming_stream",
@@ -48,22 +48,9 @@ def with_extension(path: str, extension: str) -> str:
     return STANDARD if path == STANDARD else f"{os.path.splitext(local_name(path).rstrip(os.sep))[0]}.{extension}"
 
 
-def is_remote(path: str) -> bool:
-    """Whether it is a URL."""
-    if "://" not in path:
-        return False
-    from sgicodec.remote.url import is_url  # takes long to load
-
-    return is_url(path)
-
-
 def local_name(path: str) -> str:
     """The path, or what a file made of a URL is named after."""
-    if "://" not in path:
-        return path
-    from sgicodec.remote.url import file_name
-
-    return file_name(path)
+    return file_name(path) if is_url(path) else path
 
 
 @contextlib.contextmanager
@@ -138,7 +125,7 @@ def check_output(
         if sys.stdout.isatty() and not force:
             raise UsageError("stdout is a terminal; name OUT, redirect, or give -f to write to it all the same")
         return
-    if is_remote(target):
+    if is_url(target):
         raise UsageError(f"{target}: a URL can be read, not written; name a file")
     from pathlib import Path  # takes long to load
 

@@ -11,7 +11,6 @@ import click
 from sgicodec.cli.json_output import print_json
 from sgicodec.cli.parts import all_parts, print_parts, whole_bytes
 from sgicodec.cli.paths import STANDARD, display
-from sgicodec.cuda.tiles import MAX_CHANNELS
 from sgicodec.device import PROCESSOR
 from sgicodec.metadata.layouts import SampleRange, range_text
 
@@ -82,6 +81,8 @@ def _fallback(plan: Plan, device: str) -> str | None:
     header = plan.header
     if device == "cpu":
         return None
+    from sgicodec.cuda.tiles import MAX_CHANNELS  # takes long to load
+
     if header.spec.channels > MAX_CHANNELS:
         return f"a GPU fits up to {MAX_CHANNELS} channels, not {header.spec.channels}"
     return "there was no GPU that could be used"

@@ -23,6 +23,7 @@ from sgicodec.decoder.view import MAX_OUTPUT_SAMPLES, Region, Size, View, view_o
 from sgicodec.decoder.view_metadata import view_metadata
 from sgicodec.device import ALL_CORES, Device, check_device
 from sgicodec.errors import RegionError, StreamError, UsageError
+from sgicodec.remote.url import is_url
 
 if TYPE_CHECKING:
     import numpy as np
@@ -113,7 +114,7 @@ class Stream(ArrayView):
         """Pickled by its path, or with its bytes: what reads it opens the stream again."""
         if self.name is None and not isinstance(self._source, bytes):
             raise UsageError("a stream that reads a file object cannot be pickled; open it by its path")
-        source = self._source if self.name is None else self.name if _is_url(self.name) else os.path.abspath(self.name)
+        source = self._source if self.name is None else self.name if is_url(self.name) else os.path.abspath(self.name)
         return (
             open_stream,
             (source, self.device),
@@ -306,18 +307,10 @@ def _opened(source: bytes | BinaryIO | int, device: Device) -> _native.Stream:
     return _native.Stream(source, device.threads, device.isa, CACHE_BYTES, GPU_BLOCK_SAMPLES, painter=painter)
 
 
-def _is_url(path: str) -> bool:
-    if "://" not in path:
-        return False
-    from sgicodec.remote.url import is_url  # takes long to load
-
-    return is_url(path)
-
-
 def _file_at(path: str) -> BinaryIO:
-    if not _is_url(path):
+    if not is_url(path):
         return Path(path).open("rb")
-    from sgicodec.remote.url import open_url
+    from sgicodec.remote.remote_file import open_url  # takes long to load
 
     return open_url(path)
 

@@ -14,7 +14,7 @@ from typing import Any, BinaryIO
 
 from sgicodec.errors import PictureError, UsageError
 from sgicodec.image.zarr_reader import is_zarr
-from sgicodec.remote.url import file_name, is_url, open_url
+from sgicodec.remote.url import file_name, is_url
 
 __all__ = ["Origin", "display_name", "first_line", "has_signature", "is_utf8", "naming", "on_disk"]
 
@@ -80,6 +80,8 @@ def on_disk(origin: Origin) -> Iterator[Path]:
     with contextlib.ExitStack() as stack:
         suffix = ""
         if isinstance(origin, str) and is_url(origin):
+            from sgicodec.remote.remote_file import open_url  # takes long to load
+
             stream: BinaryIO = stack.enter_context(open_url(origin, PictureError))
             suffix = Path(file_name(origin)).suffix.lower()
         elif isinstance(origin, str | Path):

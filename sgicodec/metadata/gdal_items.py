@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
+from html import escape
 from typing import NamedTuple
 from xml.etree import ElementTree
-from xml.sax.saxutils import escape
 
 from sgicodec.metadata import geo, ifd
 
@@ -62,7 +62,7 @@ def band_facts(blob: bytes | None, bands: int) -> list[BandFacts]:
 def named_bands(names: Sequence[str]) -> dict[int, ifd.Entry]:
     """The tag that gives bands their names, as GDAL writes it; an empty name is none."""
     items = [
-        f'<Item name="DESCRIPTION" sample="{band}" role="description">{escape(_printable(name))}</Item>'
+        f'<Item name="DESCRIPTION" sample="{band}" role="description">{escape(_printable(name), quote=False)}</Item>'
         for band, name in enumerate(names)
         if name
     ]

@@ -7,7 +7,7 @@ import threading
 from collections.abc import Mapping
 from typing import BinaryIO, NamedTuple
 
-from sgicodec.remote.url import open_url
+from sgicodec.remote.remote_file import open_url
 from sgicodec.server.refusal import Refusal
 
 __all__ = ["Part", "RemoteFiles"]

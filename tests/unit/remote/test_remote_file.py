@@ -15,7 +15,7 @@ from repeated_tiles import TILE
 import sgicodec
 from sgicodec.errors import CorruptStreamError, MissingExtraError, PictureError, StreamError
 from sgicodec.remote.range_file import BLOCK
-from sgicodec.remote.url import naming_url, open_url
+from sgicodec.remote.remote_file import naming_url, open_url
 
 SIDE = 256
 
