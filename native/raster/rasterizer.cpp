@@ -101,9 +101,13 @@ Errors Rasterizer::error(const Gaussians &g, const View &view, float cutoff, con
     const TileRect r = tile_rect(view, tile);
     const int64_t begin = bins_.tile_start[tile], n = bins_.tile_start[tile + 1] - begin;
     const Entry *entries = bins_.entries.data() + begin;
-    for_each_row(view, r, g.channels, [&](int64_t from, int, int count) {
-      for (int x = 0; x < count; x += 16) __builtin_prefetch(with.target + from + x);
-    });
+    const auto prefetch = [&](const float *plane, int channels) {
+      for_each_row(view, r, channels, [&](int64_t from, int, int count) {
+        for (int x = 0; x < count; x += 16) __builtin_prefetch(plane + from + x);
+      });
+    };
+    prefetch(with.target, g.channels);
+    if (with.weights) prefetch(with.weights, 1);
     const int x0 = r.x + view.x0, y0 = r.y + view.y0;
     gradient_kernel_.forward(entries, n, bins_.splats.data(), g.colours, g.channels, x0, y0, least_height(cutoff),
                              buffer.data());
