@@ -121,7 +121,8 @@ class _Pace:
 class ScoreAscent:
     """The ascent for layers of one picture in so many passes. unit [C, H, W]: what they are to show, in luma space
     where `luma_space`; empty [H, W]: pixels that count nothing, None for none; strength: with which what is rendered is
-    restored, None for not at all; butteraugli: whether it is followed beside SSIMULACRA 2.
+    restored, None for not at all; butteraugli: passes that a gradient of it serves beside those of SSIMULACRA 2, 0
+    where it is not followed.
     """
 
     def __init__(
@@ -132,12 +133,13 @@ class ScoreAscent:
         device: Device,
         passes: int,
         strength: Strength | None = None,
-        butteraugli: bool = True,
+        butteraugli: int = 1,
     ) -> None:
         self.unit, self.luma_space, self.empty, self.device, self.strength = unit, luma_space, empty, device, strength
         self._pace, original = _Pace(MEAN_MOVE / passes**SHORTER_BY_PASSES), self._seen(unit)
         self._structure = VisualReference(original, device)
         self._differences = ButteraugliReference(original, device) if butteraugli else None
+        self._serves, self._passes, self._distance = butteraugli, 0, (0.0, unit)
 
     def climb(
         self,
@@ -168,11 +170,19 @@ class ScoreAscent:
         score, gradient = self._structure.gradient(decoded)
         if self._differences is None:
             return score, score, gradient
-        distance, _, farther = self._differences.gradient(decoded)
+        distance, farther = self._next_distance(self._differences, decoded)
         if distance == 0:  # it has a side of a few pixels
             return score, score, gradient
         points = score - BUTTERAUGLI * math.log(distance)
         return score, points, gradient - np.float32(BUTTERAUGLI / distance) * farther
+
+    def _next_distance(self, differences: ButteraugliReference, decoded: F32) -> tuple[float, F32]:
+        """Butteraugli of a picture and its gradient [C, H, W], or those of a pass before which serve this one, too."""
+        if self._passes % self._serves == 0:
+            distance, _, farther = differences.gradient(decoded)
+            self._distance = distance, farther
+        self._passes += 1
+        return self._distance
 
     def _rendered(self, search: TextureSearch, symbols: TextureSymbols) -> F32:
         """What a layer shows over the seeds of `search`, restored."""
