@@ -36,7 +36,7 @@ SGI_KERNEL(forward_seeds, kSeedThreads, FitArguments) {
   const SeedGaussians out{a.means, a.covariances, a.colours};
   for_each_seed(block, a, [&](int i) {
     float hidden[kMaxHidden];
-    forward_block(s, Block(i, a.count), out, hidden);
+    a.bits[i] = forward_block(s, Block(i, a.count), out, hidden);
   });
 }
 

@@ -33,7 +33,6 @@ inline SeedState state_of(const FitArguments &a) {
   s.product = a.product;
   s.kept = a.kept;
   s.decoded = a.decoded;
-  s.bits = a.bits;
   s.rounding = Rounding(a.rounding);
   s.key = numbers_of(a).key;
   s.mirror = numbers_of(a).mirror;

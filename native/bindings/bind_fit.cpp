@@ -27,12 +27,6 @@ void require_rows(const A &array, int64_t rows, int64_t columns, const char *wha
   require(has_shape(array, size_t(rows), size_t(columns)), what);
 }
 
-template <class Fit>
-void copy_bits(const Fit &self, Out1 out) {
-  require(out.shape(0) == self.bits().size(), "bits must be [N]");
-  std::copy(self.bits().begin(), self.bits().end(), out.data());
-}
-
 void set_layout(sgi::SeedFit &self, Array<const int32_t, 2> half_pixels, Array<const int8_t, 1> log_size,
                 Array<const int32_t, 2> neighbour, int quality) {
   const int64_t n = int64_t(log_size.shape(0)), k = int64_t(neighbour.shape(1));
@@ -164,7 +158,6 @@ void bind_fit(nb::module_ &m) {
            "key"_a, "negative"_a, "reuse"_a, "trains_first"_a, "means"_a, "covariances"_a, "colours"_a)
       .def("backward", &backward, "means"_a, "covariances"_a, "colours"_a, "lmbda"_a, "colour"_a, "shape"_a, "offset"_a,
            "sums"_a)
-      .def("bits", &copy_bits<sgi::SeedFit>, "out"_a)
       .def_prop_ro("sums", &sgi::SeedFit::sums);
   nb::class_<sgi::FeatureFit>(m, "FeatureFit")
       .def(
@@ -189,6 +182,5 @@ void bind_fit(nb::module_ &m) {
            "covariances"_a, "colours"_a)
       .def("backward", &descend_features, "means"_a, "covariances"_a, "colours"_a, "price"_a, "lmbda"_a, "feature"_a,
            "scales"_a, "offset"_a, "sums"_a, "tables"_a)
-      .def("bits", &copy_bits<sgi::FeatureFit>, "out"_a)
       .def("sums", [](const sgi::FeatureFit &self, bool priced) { return self.state().sums(priced); }, "priced"_a);
 }

@@ -85,16 +85,13 @@ sgi::TextureSteps steps_of(const Array<const float, 1> &steps, std::pair<float, 
   return {{steps.data(), steps.data() + steps.size()}, {slope.first, slope.second}};
 }
 
-// Rows and columns of the roots, where the arrays suit them.
-std::array<size_t, 2> require_contrasts(const sgi::TextureAmplitudes &amplitudes, Contrasts contrast,
-                                        Array<const float, 1> steps) {
+void require_contrasts(const sgi::TextureAmplitudes &amplitudes, Contrasts contrast, Array<const float, 1> steps) {
   const auto down = size_t(amplitudes.height >> sgi::kTextureRoot);
   const auto across = size_t(amplitudes.width >> sgi::kTextureRoot);
   require(has_shape(contrast, down, across) && steps.size() == size_t(amplitudes.channels),
           "contrast [h, w] of the roots, steps [C]");
   for (size_t i = 0; i < contrast.size(); ++i)
     require(std::abs(int(contrast.data()[i])) <= sgi::kContrastLimit, "contrasts must be -15..15");
-  return {down, across};
 }
 
 // Cells of a layer that suit the amplitudes, null for none given.
@@ -147,7 +144,7 @@ class TextureModels {
   auto search(const sgi::TextureAmplitudes &amplitudes, Contrasts contrast, Array<const float, 1> steps,
               std::pair<float, float> slope, float lmbda, bool has_contrast, float doubt,
               std::optional<LogSizes> division) const {
-    const auto [down, across] = require_contrasts(amplitudes, contrast, steps);
+    require_contrasts(amplitudes, contrast, steps);
     require(lmbda >= 0, "lmbda must not be negative");
     require(doubt >= 1, "doubt must be at least 1");
     const uint8_t *const cells = require_division(amplitudes, division);
@@ -156,8 +153,7 @@ class TextureModels {
       nb::gil_scoped_release release;
       return sgi::search_texture(models_, amplitudes, contrast.data(), all, {lmbda, has_contrast, doubt}, cells);
     }();
-    return std::tuple(sgi::field_arrays(std::move(found.field)), found.bits, found.count, found.excess,
-                      as_array<float>(std::move(found.cost), std::array{down, across}));
+    return std::tuple(sgi::field_arrays(std::move(found.field)), found.bits, found.count, found.excess);
   }
 
  private:
@@ -249,8 +245,7 @@ void bind_texture_coding(nb::module_ &m) {
            "Bits, their P(1) in 2^-16, all symbols in coding order, information content.")
       .def("search", &TextureModels::search, "amplitudes"_a, "contrast"_a, "steps"_a, "slope"_a, "lmbda"_a,
            "has_contrast"_a, "doubt"_a, "division"_a.none(),
-           "log_size, contrast and symbols; bits; by magnitude 1, 2 and more the symbols and the sum of their excess; "
-           "cost of each root in squared steps.");
+           "log_size, contrast and symbols; bits; by magnitude 1, 2 and more the symbols and the sum of their excess.");
   nb::class_<sgi::TextureAmplitudes>(m, "TextureAmplitudes")
       .def(
           "__init__",

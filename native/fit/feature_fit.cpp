@@ -57,11 +57,10 @@ void FeatureFit::set_layout(const int32_t *half_pixels, int64_t n, int quality, 
   steps_.resize(s.attributes());
   bias_.resize(s.context_hidden);
   kept_.resize((n + kBatchSeeds - 1) / kBatchSeeds * s.kept_rows() * kPitch);
-  bits_.resize(n);
   hash_slopes_.resize(n * s.hash_features);
   s.half_pixels = half_pixels_.data(), s.entry = entry_.data(), s.weight = weight_.data();
   s.signs = signs_.data(), s.steps = steps_.data(), s.bias = bias_.data();
-  s.kept = kept_.data(), s.bits = bits_.data(), s.hash_slopes = hash_slopes_.data();
+  s.kept = kept_.data(), s.hash_slopes = hash_slopes_.data();
 }
 
 int64_t FeatureFit::run_size() const {

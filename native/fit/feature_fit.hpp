@@ -48,7 +48,6 @@ class FeatureFit {
 
   // Numbers θ of the hash grid.
   int64_t signs() const { return table_starts_.back(); }
-  const std::vector<float> &bits() const { return bits_; }
   const FeatureState &state() const { return state_; }
 
  private:
@@ -69,7 +68,7 @@ class FeatureFit {
   std::vector<int8_t> signs_;
   std::vector<int64_t> table_starts_{0};  // of each resolution's signs, and their end
   std::vector<int32_t> half_pixels_, entry_;
-  std::vector<float> weight_, steps_, bias_, kept_, bits_, hash_slopes_, partials_;
+  std::vector<float> weight_, steps_, bias_, kept_, hash_slopes_, partials_;
 };
 
 }  // namespace sgi

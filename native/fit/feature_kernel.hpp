@@ -75,7 +75,6 @@ struct FeatureState : FeatureModel {
   uint32_t key, mirror;  // of the noise
   float share;           // of the seeds whose bits count
   float *kept;           // [batch][kept_rows][kPitch]
-  float *bits;           // [N]
   float *hash_slopes;    // [N, hash_features]
 };
 

@@ -30,7 +30,6 @@ void SeedFit::set_layout(const SeedsView &seeds, int64_t n, const int32_t *neigh
   product_.resize(padded * kGroups * state_.hidden);
   kept_.resize(padded * 3 * kUnits);
   decoded_.resize(padded * state_.attributes());
-  bits_.resize(n);
   state_.count = n;
   state_.neighbours = neighbours;
   state_.quality = quality;
@@ -41,7 +40,6 @@ void SeedFit::set_layout(const SeedsView &seeds, int64_t n, const int32_t *neigh
   state_.product = product_.data();
   state_.kept = kept_.data();
   state_.decoded = decoded_.data();
-  state_.bits = bits_.data();
 }
 
 int64_t SeedFit::first_size() const {

@@ -35,8 +35,6 @@ class SeedFit {
   int64_t first_size() const;
   int64_t rest_size() const;
   int64_t sums() const { return state_.sums(); }
-  // Bits of every seed in the last `forward` [N].
-  const std::vector<float> &bits() const { return bits_; }
   const SeedState &state() const { return state_; }
 
  private:
@@ -49,7 +47,7 @@ class SeedFit {
   std::vector<float> opponent_;
   std::vector<int32_t> half_pixels_, neighbour_;
   std::vector<int8_t> log_size_;
-  std::vector<float> summary_, inputs_, product_, kept_, decoded_, bits_, partials_;
+  std::vector<float> summary_, inputs_, product_, kept_, decoded_, partials_;
 };
 
 }  // namespace sgi

@@ -8,7 +8,7 @@
 namespace sgi {
 namespace {
 
-// Draws or rounds, writes Gaussians, `decoded` and the bits of each seed; returns these, 0 for what is no seed.
+// Draws or rounds, writes Gaussians and `decoded`; returns the bits of each seed, 0 for what is no seed.
 // `hidden`: memory for MLP_p, [hidden][LANES].
 inline vf forward_block(const SeedState &s, const Block &block, const SeedGaussians &out, float *hidden) {
   float *decoded = s.decoded + block.number() * s.attributes() * LANES;
@@ -37,7 +37,6 @@ inline vf forward_block(const SeedState &s, const Block &block, const SeedGaussi
     }
     if (g == 0 && s.predicts) loudness = loudness_of(s, decoded);
   }
-  block.scatter(sum, s.bits, 1, 0);
   write_gaussians(s, s.seeds, block, [&](int column) { return load(decoded + column * LANES); }, out);
   return sum * block.live;
 }

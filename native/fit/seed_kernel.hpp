@@ -39,7 +39,6 @@ struct SeedState : SeedModel {
   float *product;               // [block][kGroups][hidden][LANES]: W1 times the common inputs
   float *kept;                  // [block][kUnits][mean, step, scale][LANES] of the last whole step
   float *decoded;               // [block][d_A][LANES]
-  float *bits;                  // [N]
   Rounding rounding;
   uint32_t key, mirror;  // of the noise; mirror is 0, or all ones for its negative
   bool trains_first;

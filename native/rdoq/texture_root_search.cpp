@@ -47,15 +47,12 @@ void TextureSought::scale_beside(const TextureField &field, const TextureCell &c
   for (int i = 0; i < side * side; ++i) scaled[i] += ratio * first[i] * theirs[i] / ours[i];
 }
 
-float TextureRootSearch::decide(const TextureCell &root, const BitModels &models, std::vector<int> &plan) {
+void TextureRootSearch::decide(const TextureCell &root, const BitModels &models, std::vector<int> &plan) {
   models_ = &models;
   plan.clear();
-  if (sought_.division) {
-    follow_node(root, plan);
-    return 0;
-  }
+  if (sought_.division) return follow_node(root, plan);
   look_ahead(root);
-  return decide_node(root, plan);
+  decide_node(root, plan);
 }
 
 float TextureRootSearch::cost(const BitContext &context, int bit) const {

@@ -42,9 +42,8 @@ class TextureRootSearch {
  public:
   TextureRootSearch(const TextureSought &sought, TextureField &field) : sought_(sought), field_(field) {}
 
-  // What is best for a root costs so much, 0 where cells are given; the field shows it afterwards, and `plan` has all
-  // nodes in coding order.
-  float decide(const TextureCell &root, const BitModels &models, std::vector<int> &plan);
+  // What is best for a root: the field shows it afterwards, and `plan` has all nodes in coding order.
+  void decide(const TextureCell &root, const BitModels &models, std::vector<int> &plan);
 
  private:
   float cost(const BitContext &context, int bit) const;

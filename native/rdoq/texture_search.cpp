@@ -28,7 +28,6 @@ class TextureSearch {
       : found_{empty_field(sought.amplitudes.tile_width, sought.amplitudes.tile_height, sought.amplitudes.channels),
                0,
                {},
-               {},
                {}},
         models_(models), coding_(models, found_.field, counter_), sought_(sought) {}
 
@@ -41,21 +40,13 @@ class TextureSearch {
       decided_ = 0, failed_ = false, snapshots_.clear();
       parallel_for(both ? 2 : 1, sought_.amplitudes.threads,
                    [&](int64_t row) { row ? decide_lower(y + side) : decide_upper(y, both); });
-      take(upper_);
-      if (!both) continue;
-      for (int64_t i = 0; i < across; ++i) code_root({i * side, y + side, kTextureRoot}, lower_[size_t(i)].plan);
-      take(lower_);
+      for (int64_t i = 0; both && i < across; ++i) code_root({i * side, y + side, kTextureRoot}, lower_[size_t(i)]);
     }
     found_.bits = counter_.account.total();
     return std::move(found_);
   }
 
  private:
-  struct Decision {
-    std::vector<int> plan;
-    float cost;
-  };
-
   void decide_upper(int64_t y, bool both) {
     try {
       TextureRootSearch search(sought_, found_.field);
@@ -63,8 +54,8 @@ class TextureSearch {
         const TextureCell root{int64_t(i) << kTextureRoot, y, kTextureRoot};
         const bool shown = both && i % kStale == 0;
         const auto models = shown ? std::make_shared<const BitModels>(models_) : nullptr;
-        upper_[i].cost = search.decide(root, models_, upper_[i].plan);
-        code_root(root, upper_[i].plan);
+        search.decide(root, models_, upper_[i]);
+        code_root(root, upper_[i]);
         const std::lock_guard<std::mutex> lock(mutex_);
         if (shown) snapshots_.push_back(models);
         decided_ = i + 1;
@@ -88,12 +79,8 @@ class TextureSearch {
         if (failed_) return;
         models = snapshots_[i / kStale];
       }
-      lower_[i].cost = search.decide({int64_t(i) << kTextureRoot, y, kTextureRoot}, *models, lower_[i].plan);
+      search.decide({int64_t(i) << kTextureRoot, y, kTextureRoot}, *models, lower_[i]);
     }
-  }
-
-  void take(const std::vector<Decision> &row) {
-    for (const Decision &root : row) found_.cost.push_back(root.cost);
   }
 
   TextureField &field() { return found_.field; }
@@ -149,7 +136,7 @@ class TextureSearch {
   BitCounter counter_;
   TextureCoding<BitCounter> coding_;
   const TextureSought &sought_;
-  std::vector<Decision> upper_, lower_;  // of the roots of both rows
+  std::vector<std::vector<int>> upper_, lower_;  // what was decided of the roots of both rows
   const std::vector<int> *plan_ = nullptr;
   size_t at_ = 0;
 

@@ -23,7 +23,6 @@ struct TextureFound {
   double bits;
   // By magnitude 1, 2 and more: how many symbols, and the sum of |amplitude| / step - |symbol|.
   std::array<double, 3> count, excess;
-  std::vector<float> cost;  // [roots] squared steps plus lambda times bits; 0 where cells were given
 };
 
 // contrast: [roots], indices. division: null, or TextureField::log_size of a layer whose cells are taken, which is

@@ -13,7 +13,6 @@ from sgicodec.rdoq.settings import RdoqSettings
 from sgicodec.rdoq.texture import NO_SPLIT_SEARCH, SPLIT_SEARCH_MARGIN
 
 __all__ = [
-    "HANDOVER_STEPS",
     "LOW_EFFORT_STEPS",
     "PLAIN_STEPS",
     "PSNR_STEPS",
@@ -29,12 +28,10 @@ Tune = Literal["psnr", "visual"]
 
 PLAIN_STEPS = {1: 120, 2: 200, 3: 350, 4: 600, 5: 1000, 6: 1600, 7: 2500, 8: 4000, 9: 8000}
 """Steps of each effort without texture."""
-PSNR_STEPS = PLAIN_STEPS | {3: 420, 4: 500, 5: 600, 6: 1200}
-"""The same towards least squared error with texture, which needs fewer seeds."""
-VISUAL_STEPS = {1: 120, 2: 200, 3: 300, 4: 320, 5: 600, 6: 1000, 7: 1600, 8: 2500, 9: 5000}
+PSNR_STEPS = PLAIN_STEPS | {3: 500, 4: 700}
+"""The same towards least squared error with texture."""
+VISUAL_STEPS = {1: 120, 2: 200, 3: 300, 4: 450, 5: 900, 6: 1400, 7: 2000, 8: 3200, 9: 6400}
 """The same for the eye with texture, which sees more of texture than of what more steps give to seeds."""
-HANDOVER_STEPS: dict[Tune, int] = {"psnr": 400, "visual": 310}
-"""From so many on, seeds are handed over to texture."""
 LOW_EFFORT_STEPS = 300
 """From so many on, all that RDOQ and the search of texture have is worth its time."""
 
@@ -45,10 +42,9 @@ class Effort:
 
     steps: int
     """Optimisation steps of the fit, all phases together."""
-    handover: bool
-    """Whether seeds that texture shows for less are handed over to it in the course of the fit."""
     seed_price: float
-    """λ of the seeds in the fit, in the λ of the encode."""
+    """λ of the seeds in the fit, in the λ of the encode: what they leave costs less as texture than as more seeds, the
+    shorter the fit, the more of it (docs/notes/2026-11-texture-share.md)."""
     rdoq: RdoqSettings
     """How RDOQ follows the fit: its passes, and how far each looks. From the fifth on they gain next to nothing."""
     split_margin: float
@@ -75,13 +71,11 @@ def effort_of(steps: int, tuned_for: Tune, is_low: bool = False) -> Effort:
     on is worth its time from there on; before, more steps gain more in the same time.
     """
     eye = tuned_for == "visual"
-    handover = steps >= HANDOVER_STEPS[tuned_for]
     rdoq_passes = _within(2, round(steps / 250), 32)
-    ascent_passes = _passes(steps, handover) if eye else 0
+    ascent_passes = _passes(steps) if eye else 0
     return Effort(
         steps=steps,
-        handover=handover,
-        seed_price=_seed_price(steps, handover),
+        seed_price=min(max(4.2 * float((200 / steps) ** 0.3), 2.1), 5.0),
         rdoq=RdoqSettings(passes=1, deep=1, rounds=2) if is_low else RdoqSettings(passes=rdoq_passes),
         split_margin=NO_SPLIT_SEARCH if is_low else SPLIT_SEARCH_MARGIN,
         rounds=0 if eye else _within(0, 1 + (steps - 375) // 225, 6),
@@ -90,23 +84,9 @@ def effort_of(steps: int, tuned_for: Tune, is_low: bool = False) -> Effort:
     )
 
 
-_HANDED_OVER = 0.5
-"""Factor of `seed_price` where seeds are handed over later, so that a fit may begin with more of them."""
-
-
-def _seed_price(steps: int, handover: bool) -> float:
-    """What seeds leave costs less as texture than as more seeds; the shorter the fit, the more of it
-    (docs/notes/2026-11-texture-share.md).
-    """
-    price = min(max(4.2 * float((200 / steps) ** 0.3), 2.1), 5.0)
-    return max(1.0, _HANDED_OVER * price) if handover else price
-
-
-def _passes(steps: int, handover: bool) -> int:
+def _passes(steps: int) -> int:
     """Passes of ascent. Up to six they gain more than other things in the same time (docs/notes/2026-11-ladder.md)."""
-    if steps >= 1000:
-        return 8
-    return 6 if handover else _within(1, steps // 50 - 1, 6)
+    return 8 if steps >= 1000 else _within(1, steps // 50 - 1, 6)
 
 
 def _passes_of_butteraugli(passes: int) -> int:

@@ -9,7 +9,7 @@ from numbers import Integral, Real
 from typing import Any, Literal
 
 from sgicodec.bitstream.header import MAX_APRON, MAX_SIDE, MIN_TILE
-from sgicodec.encoder.effort import HANDOVER_STEPS, LOW_EFFORT_STEPS, Effort, Tune, effort_of, steps_of
+from sgicodec.encoder.effort import LOW_EFFORT_STEPS, Effort, Tune, effort_of, steps_of
 from sgicodec.errors import UsageError
 from sgicodec.model.tile_grid import TileGrid
 from sgicodec.profiles import PROFILES, Profile
@@ -88,8 +88,8 @@ class EncodeSettings:
     loss; None for no layer, but for text, line art and screens that take no more bytes so.
     """
     low_effort: bool | None = None
-    """Whether short fits beneath texture leave out what gains little for its time; None for those without a target,
-    whose estimates were measured with all of it.
+    """Whether a fit beneath texture leaves out what gains little for its time; None for those without a target, whose
+    estimates were measured with all of it.
     """
 
     @property
@@ -112,13 +112,10 @@ class EncodeSettings:
         return self.is_hurried and self.fit_steps < LOW_EFFORT_STEPS
 
     @property
-    def is_coarse_fit(self) -> bool:
-        """Whether most of the fit runs at half size: it hands no seeds over, and texture shows the pixels."""
-        return self.is_hurried and self.fit_steps < HANDOVER_STEPS[self.tuned_for]
-
-    @property
     def is_hurried(self) -> bool:
-        """Whether a fit beneath texture leaves out what gains little for its time, if it is short."""
+        """Whether most steps of a fit beneath texture are at half size, and short ones leave out what gains little for
+        its time.
+        """
         asked = self.target is None if self.low_effort is None else self.low_effort
         return asked and self.texture and self.profile == "default"
 

@@ -70,11 +70,6 @@ class DeviceFeatureStep(FeatureStep):
         self._held |= {name: self.gpu.array(shape) for name, shape in self._shapes(len(hashed)).items()}
         self._networks = DeviceNetworks(self.gpu, self.spec, self.count)
 
-    def seed_bits(self) -> F32:
-        """Bits of every seed in the last step [N]."""
-        self.gpu.use()
-        return self._held["bits"].download()
-
     def _evaluate(self, given: FeatureInputs, level: Level) -> FeatureOutputs:
         self.gpu.use()
         arguments, networks = self._take(given, level.scale), self._networks
@@ -145,7 +140,7 @@ class DeviceFeatureStep(FeatureStep):
         widths = np.cumsum([values.shape[1] for values in given.values[:-1]])
         parts = np.split(self._held["slopes"].download(), widths)
         feature, scales, offset = (np.ascontiguousarray(part.T) for part in parts)
-        bits = float(self.seed_bits().sum(dtype=np.float64))
+        bits = float(self._held["bits"].download().sum(dtype=np.float64))
         tables = self._held["tables"].download() if given.priced else given.tables
         return FeatureOutputs(error, bits, (feature, scales, offset), self._networks.sums(), tables)
 

@@ -112,10 +112,6 @@ class DeviceFit:
         kind = StepKind(ROUNDINGS[rounding], reuse, lmbda > 0 and context.difference is not None, tuple(moved))
         return self._held.run(kind, level.scale, self._level(level), numbers)
 
-    def seed_bits(self) -> F32:
-        """Bits of every seed in the last step [N]."""
-        return self._held.bits()
-
     @property
     def _held(self) -> DeviceStep:
         if self._step is None:

@@ -118,9 +118,9 @@ class DeviceStep:
         self._make_sums(trained.has_difference, trained.trains_first)
 
     def exact_gaussians(self) -> tuple[GpuArray, GpuArray]:
-        """Covariances and colours of the values as they are. What the last step has said of bits stays."""
+        """Covariances and colours of the values as they are."""
         given = self._arguments(StepKind(0, Reuse.NOTHING, False, ()))
-        given.decoded, given.bits = self._address("slopes"), self._address("grad_shape")  # nobody reads these any more
+        given.decoded = self._address("slopes")  # nobody reads it any more
         self.gpu.launch("forward_seeds", -(-self.count // SEED_THREADS), SEED_THREADS, given)
         return self._held["covariances"], self._held["colours"]
 
@@ -134,10 +134,6 @@ class DeviceStep:
         passes.set(image=image.address)
         passes.over_tiles("forward")
         return image
-
-    def bits(self) -> F32:
-        """Of every seed in the last step [N]."""
-        return self._held["bits"].download()
 
     def numbers(
         self, key: NoiseKey, lmbda: float, adam: Adam, corrected: list[tuple[float, float]]

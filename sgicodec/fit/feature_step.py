@@ -142,12 +142,6 @@ class FeatureStep:
         self.native.backward(*slopes, given.price / given.share, given.price, *values, sums, tables)
         return FeatureOutputs(error, bits, values, sums, tables)
 
-    def seed_bits(self) -> F32:
-        """Bits of every seed in the last step [N]."""
-        out = np.empty(self.count, np.float32)
-        self.native.bits(out)
-        return out
-
     def _draw(self, gaussians: tuple[F32, F32, F32], level: Level) -> tuple[Errors, tuple[F32, F32, F32]]:
         """Mean absolute error and the sum of squares, and the gradients of the former in the Gaussians."""
         return self.raster.error(*gaussians, level.samples, "absolute", 1.0 / level.samples.size, level.weights)

@@ -119,12 +119,6 @@ class FusedStep:
             gradients |= {"context.first": sums[at + steps :], "context.rest": rest}
         return gradients
 
-    def seed_bits(self) -> F32:
-        """Bits of every seed in the last step [N]."""
-        out = np.empty(self.count, np.float32)
-        self.native.bits(out)
-        return out
-
     def _draw(self, gaussians: tuple[F32, F32, F32], level: Level) -> tuple[float, tuple[F32, F32, F32]]:
         """Squared error without weights, and the gradients of that with weights in the Gaussians at full size."""
         (means, covariances, colours), scale = gaussians, level.scale

@@ -61,7 +61,3 @@ class GradientStep(Protocol):
     def run(self, parameters: Parameters, rounding: Rounding, number: int, level: Level, lmbda: float) -> StepResult:
         """Step `number` of a fit against a level of the pyramid. λ 0: bits do not count."""
         ...
-
-    def seed_bits(self) -> F32:
-        """Bits of every seed in the last step [N]."""
-        ...

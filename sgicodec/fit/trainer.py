@@ -179,6 +179,10 @@ class Trainer:
         if not keep.all():
             self._keep(keep)
 
+    def _keep(self, kept: NDArray[np.bool_]) -> None:
+        self.seeds.keep(kept, self.adam)
+        self._rearrange(np.flatnonzero(kept), len(self.seeds))
+
     def _grow(self) -> None:
         """Adds seeds where the residual of the exact values is worth more than their bits."""
         price = self.settings.lmbda * self.settings.seed_bits * self.settings.growth
@@ -196,15 +200,6 @@ class Trainer:
         residual = target - self.raster.forward(*self.seeds.gaussians(), target.shape[2], target.shape[1])
         return cell_sums(residual, ROOT_LOG, self.weights)
 
-    def keep(self, kept: NDArray[np.bool_], weights: F32) -> None:
-        """Drops all seeds but those where `kept` [N] holds, and counts squared errors by other weights [H, W]."""
-        self.weights, self.levels = weights, levels_of(self.levels[0].samples, weights, len(self.levels))
-        self._keep(kept)
-
-    def _keep(self, kept: NDArray[np.bool_]) -> None:
-        self.seeds.keep(kept, self.adam)
-        self._rearrange(np.flatnonzero(kept), len(self.seeds))
-
     def _rearrange(self, rows: NDArray[np.intp], old: int) -> None:
         """To be called after seeds were added or removed. `rows` [N]: the old index of each seed; −1 − i for row
         `old` + i of the host's arrays, which is new.
@@ -214,10 +209,6 @@ class Trainer:
         else:
             fresh = {name: values[old:] for name, values in self.seeds.values.items()}
             self.on_gpu.rearrange(self.seeds.layout, self.quality, rows, fresh)
-
-    def seed_bits(self) -> F32:
-        """Bits of every seed in the last step [N]."""
-        return (self.on_gpu or self.gradient_step).seed_bits()
 
     def fetch(self) -> None:
         """Makes the arrays of `seeds` and all else that trains those of now, which is to be read or changed."""

@@ -56,8 +56,8 @@ def default_phases(steps: int) -> tuple[Phase, ...]:
 
 
 def coarse_phases(steps: int) -> tuple[Phase, ...]:
-    """The same with most of the noise phase at half size, or at a quarter and then at half, where a step takes a third
-    or a ninth of the time.
+    """The same with the free phase at a quarter of the size and most of the noise phase at half, or at a quarter and
+    then at half, where a step takes a third or a ninth of the time.
 
     It suits seeds beneath texture, which are wide: those that show a few pixels want full size
     (docs/notes/2026-11-encode-speed.md; at a quarter: 2026-11-ladder.md).
@@ -65,14 +65,15 @@ def coarse_phases(steps: int) -> tuple[Phase, ...]:
     free, noisy, rounded = default_phases(steps)
     begin: tuple[Phase, ...]
     if steps >= _SHORT_STEPS:
-        coarse = round(0.7 * noisy.steps)
-        begin = free, replace(noisy, steps=max(1, coarse), level=1, prune=5, grow=3)
+        coarse = round(0.8 * noisy.steps)
+        begin = (replace(noisy, steps=max(1, coarse), level=1, prune=5, grow=3),)
     else:
         part = int(0.45 * noisy.steps)
         coarse = 2 * part
         quarter = replace(noisy, steps=part, level=2, prune=2, grow=1)
-        begin = replace(free, level=2), quarter, replace(quarter, level=1, prune=3, grow=2)
-    return (*begin, replace(noisy, steps=max(1, noisy.steps - coarse), prune=2, grow=0), rounded)
+        begin = quarter, replace(quarter, level=1, prune=3, grow=2)
+    last = replace(noisy, steps=max(1, noisy.steps - coarse), prune=2, grow=0)
+    return replace(free, level=2), *begin, last, rounded
 
 
 def lmbda_of_quality(quality: float) -> float:
@@ -88,7 +89,7 @@ def _spec(choices: Choices, channels: int) -> ModelSpec:
 
 def _fit_settings(choices: Choices) -> FitSettings:
     lmbda = lmbda_of_quality(choices.chosen_quality) if choices.lmbda is None else choices.lmbda
-    return default_settings(max(lmbda, 1e-9), choices.fit_steps, choices.is_coarse_fit)
+    return default_settings(max(lmbda, 1e-9), choices.fit_steps, choices.is_hurried)
 
 
 DEFAULT = Profile(

@@ -24,7 +24,7 @@ SPLIT_SEARCH_MARGIN, NO_SPLIT_SEARCH = 1.06, 1.0
 (docs/notes/2026-11-encode-speed.md has 1.03 to 1.06)."""
 
 _Layer = tuple[NDArray[np.uint8], NDArray[np.int8], NDArray[np.int16]]
-_Found = tuple[_Layer, float, list[float], list[float], F32]
+_Found = tuple[_Layer, float, list[float], list[float]]
 
 
 def superblock_planes(residual: F32, beyond: Literal["symmetric", "constant"] = "symmetric") -> F32:
@@ -94,7 +94,7 @@ class TextureSearch:
         them.
         """
         division = None if blocks is None else blocks.log_size
-        parts, self.bits, counts, excess, _ = self._search(steps, squared_steps, offsets, division)
+        parts, self.bits, counts, excess = self._search(steps, squared_steps, offsets, division)
         added = tuple(_excess_index(sum_ / count) if count else 8 for count, sum_ in zip(counts, excess, strict=True))
         one, two, more = added
         layer = TextureSymbols(
@@ -132,11 +132,6 @@ class TextureSearch:
         channels, slope = steps.of_channels, steps.growth
         division = None if blocks is None else blocks.log_size
         self._amplitudes.move(planes, self._offsets(offsets), channels, slope, mean, limit, division)
-
-    def costs(self, steps: TextureSteps, squared_steps: float, offsets: NDArray[np.int8] | None = None) -> F32:
-        """What each superblock would cost [rows, columns]: squared error plus λ times bits, in squared steps."""
-        costs: F32 = self._search(steps, squared_steps, offsets)[-1]
-        return costs
 
     def _search(
         self,

@@ -14,7 +14,7 @@ from sgicodec.fit.pyramid import pyramid
 from sgicodec.model.texture import ROOT_LOG
 from sgicodec.model.texture_symbols import roots_of
 
-__all__ = ["BLEND", "MIN_WEIGHT", "of_pixels", "seed_weights", "smoothed"]
+__all__ = ["MIN_WEIGHT", "seed_weights", "smoothed"]
 
 F32 = NDArray[np.float32]
 F64 = NDArray[np.float64]
@@ -32,7 +32,7 @@ share."""
 def seed_weights(target: F32, lmbda: float) -> F32:
     """Weights [H, W] up to 1 of the seeds' squared errors in a target [C, H, W], for an encode at λ."""
     octaves = np.clip(OCTAVES * (coherence(target, lmbda) - FULL_COHERENCE), np.log2(MIN_WEIGHT), 0.0)
-    return of_pixels(np.exp2(smoothed(octaves, BLEND)), target.shape[1:])
+    return _of_pixels(np.exp2(smoothed(octaves, _BLEND)), target.shape[1:])
 
 
 def coherence(target: F32, lmbda: float) -> F64:
@@ -77,7 +77,7 @@ def smoothed(plane: F64, sigma: float) -> F64:
     return plane
 
 
-def of_pixels(weights: F64, shape: tuple[int, ...]) -> F32:
+def _of_pixels(weights: F64, shape: tuple[int, ...]) -> F32:
     """Superblocks' weights for each pixel [H, W], linear between their centres."""
     side = 1 << ROOT_LOG
     for axis in (0, 1):
@@ -91,5 +91,5 @@ def of_pixels(weights: F64, shape: tuple[int, ...]) -> F32:
 
 _HALF_BLOCK, _WINDOW = 1 << (ROOT_LOG - 1), 4
 """Sides of a superblock and of a window of the structure tensor, at half the size."""
-_NEAR, BLEND = 0.7, 0.5
+_NEAR, _BLEND = 0.7, 0.5
 """σ in superblocks: the tensor is smoothed with the first, the weights' logarithms with the second."""

@@ -2,7 +2,7 @@
 
 prepare      samples, the base layer, and what it leaves to seeds and texture
 share        detail without a direction is left to texture
-fit          seeds by gradient descent; in its course some are handed over to texture
+fit          seeds by gradient descent
 rdoq         symbols of least error plus λ times bits
 requantise   towards least squared error: seeds once more, for what texture leaves
 texture      cosines for what seeds leave, and restoration of what both show
@@ -17,12 +17,10 @@ import numpy as np
 from sgicodec.bitstream.header import Header
 from sgicodec.bitstream.parts.prior import load_prior
 from sgicodec.bitstream.parts.tile import TileModel
-from sgicodec.encoder.tile.handover import HANDOVER, LOOK_AHEAD, Handover
 from sgicodec.encoder.tile.least_squares import LeastSquares, requantise_seeds_under_texture
 from sgicodec.encoder.tile.perceptual import Perceptual
 from sgicodec.encoder.tile.sharing import seed_weights
 from sgicodec.encoder.tile.state import Prepared, Tile, TileState
-from sgicodec.encoder.tile.texture_costs import TextureCosts
 from sgicodec.fit.base_layer import base_layer
 from sgicodec.fit.trainer import Fitted, Trainer
 from sgicodec.model.layout import ROOT_LOG, SeedLayout, adaptive_layout, cell_sums, uniform_layout
@@ -98,8 +96,10 @@ def fit(prepared: Prepared) -> TileState:
     )
     tile.watch.fitted_by = trainer.device_name
     tile.watch.stage("fit")
-    _run(trainer, prepared)
-    return in_integers(replace(prepared, weights=trainer.weights), trainer.result())
+    for progress in trainer.iterate():
+        if not tile.watch.step(progress):
+            break
+    return in_integers(prepared, trainer.result())
 
 
 def _first_layout(prepared: Prepared) -> SeedLayout:
@@ -109,23 +109,6 @@ def _first_layout(prepared: Prepared) -> SeedLayout:
         count = fit.seeds or max(1, round(width * height / 400))
         return uniform_layout(width, height, count, np.random.default_rng(fit.seed))
     return adaptive_layout(prepared.target, fit.split_price * fit.lmbda, weights=prepared.weights)
-
-
-def _run(trainer: Trainer, prepared: Prepared) -> None:
-    """All phases of a fit, in the course of which seeds hand over to texture."""
-    tile, ahead = prepared.tile, None
-    costs = TextureCosts(prepared.target, prepared.lmbda, tile.device)
-    hands_over = tile.spec.texture and tile.effort.handover
-    for progress in trainer.iterate():
-        if not tile.watch.step(progress):
-            break
-        done = trainer.schedule.done if hands_over else 0.0
-        if done >= LOOK_AHEAD and ahead is None:
-            ahead = Handover(trainer, costs).offsets_ahead()
-        if done >= HANDOVER:
-            hands_over = False
-            if ahead is not None:
-                Handover(trainer, costs, ahead).run()
 
 
 def in_integers(prepared: Prepared, fitted: Fitted) -> TileState:

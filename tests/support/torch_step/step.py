@@ -39,7 +39,6 @@ class AutogradStep:
         self.spec, self.settings, self.raster, self.size = spec, settings, raster, size
         self.proxy = QuantizationProxy(spec, family)
         self._opponent = torch.tensor(colour_matrix(spec.channels))
-        self._seed_bits: F32 = np.zeros(0, np.float32)
 
     def set_layout(self, layout: SeedLayout, quality: int) -> None:
         """As `GradientStep.set_layout`."""
@@ -50,10 +49,6 @@ class AutogradStep:
         """As `GradientStep.run`."""
         with _one_thread():
             return self._run(parameters, rounding, NoiseKey.of(self.settings.seed, number), level, lmbda)
-
-    def seed_bits(self) -> F32:
-        """Bits of every seed in the last step [N]."""
-        return self._seed_bits
 
     def _run(self, parameters: Parameters, rounding: Rounding, key: NoiseKey, level: Level, lmbda: float) -> StepResult:
         net = ContextNet(parameters.context)
@@ -86,7 +81,6 @@ class AutogradStep:
             side = side + sum(bits_by_mean(weights.abs() * unit) for weights in exact.values() if weights.ndim == 2)
         loss, squared = self._loss(gaussians, level, sample, side, lmbda, key)
         loss.backward()  # type: ignore[no-untyped-call]
-        self._seed_bits = sample.bits.detach().numpy()
         gradients = {name: leaf.grad.contiguous().numpy() for name, leaf in leaves.items() if leaf.grad is not None}
         return StepResult(squared, float(sample.bits.detach().sum()), gradients)
 

@@ -47,11 +47,10 @@ def stepped(device: Device, count: int, **how: Any) -> tuple[Trainer, DeviceFit]
 @pytest.mark.parametrize("weighted", [False, True])
 def test_energy(weighted: bool, gpu: Device) -> None:
     trainer, fit = stepped(gpu, 9, weighted=weighted)
-    old, bits = trainer.seeds.energy(trainer.weights), trainer.seed_bits()
+    old = trainer.seeds.energy(trainer.weights)
     found = fit.energy(trainer.weights)
     with backwards():
         np.testing.assert_array_equal(fit.energy(trainer.weights), found)
-    np.testing.assert_array_equal(trainer.seed_bits(), bits)
     trainer.fetch()
     np.testing.assert_allclose(found, trainer.seeds.energy(trainer.weights), rtol=2e-5)
     assert np.abs(found - old).max() > 1e-3
@@ -74,7 +73,7 @@ def test_rows_stay_go_and_come(gpu: Device) -> None:
     kept = np.random.default_rng(2).random(len(trainer.seeds)) < 0.7
     for values in trainer.seeds.values.values():
         values[:] = np.nan  # the host's are not asked for
-    trainer.keep(kept, np.ones((70, 90), np.float32))
+    trainer._keep(kept)
     after = state(trainer)
     for name, arrays in before.items():
         rows = kept if name in trainer.seeds.values else slice(None)
@@ -93,8 +92,6 @@ def test_rows_stay_go_and_come(gpu: Device) -> None:
             np.testing.assert_array_equal(grown[name][moment][:old], after[name][moment])
             assert not grown[name][moment][old:].any()
     level = trainer.levels[0]
-    assert level.weights is not None
-    assert (level.weights == 1).all()
     rates = dict.fromkeys(trainer.parameters.trained(), 1e-3)
     errors = [fit.run("noise", 50 + number, level, 1e-4, rates)[0] for number in range(20)]
     assert np.mean(errors[10:]) < np.mean(errors[:10])

@@ -102,7 +102,6 @@ def test_against_automatic_differentiation(
     steps = problem.step(backend), problem.autograd(backend)
     found, expected = (step.run(problem.parameters, rounding, 3, problem.levels[level], lmbda) for step in steps)
     assert_close(found, expected)
-    np.testing.assert_allclose(steps[0].seed_bits(), steps[1].seed_bits(), rtol=1e-3, atol=1e-3)
 
 
 @pytest.mark.parametrize("backend", BACKENDS)

@@ -22,8 +22,7 @@ def tile_for(tune: Tune) -> Tile:
     picture = crop("kodim13", np.s_[300:380, 80:176])
     tile = tile_of(picture, stream_plan(Shape.of(picture), EncodeSettings(steps=60, tune=tune, metadata=False)))
     rounds, passes = (1, 0) if tune == "psnr" else (0, 2)
-    more = {"handover": True, "rounds": rounds, "ascent_passes": passes}
-    return replace(tile, effort=replace(tile.effort, **more))
+    return replace(tile, effort=replace(tile.effort, rounds=rounds, ascent_passes=passes))
 
 
 @pytest.mark.parametrize("tune", ["psnr", "visual"])
