@@ -11,6 +11,9 @@ from sgicodec.profiles.profile import Choices, Profile
 
 __all__ = ["DEFAULT", "default_settings", "default_spec", "lmbda_of_quality"]
 
+_COARSE_SPLIT = 8.0
+"""`FitSettings.split` of a coarse fit, whose first layout would have five times the seeds that stay
+(docs/notes/2026-11-ladder.md)."""
 _SHORT_STEPS = 150
 """Coarse fits of fewer steps take half of them at a quarter of the size, for 0.3 % more bytes in nine tenths of the
 time (docs/notes/2026-11-ladder.md)."""
@@ -36,8 +39,8 @@ def default_spec(channels: int, prior: int = 3, texture: bool = False) -> ModelS
 
 def default_settings(lmbda: float, steps: int, coarse: bool = False) -> FitSettings:
     """The `default` profile in `steps` steps. coarse: most of them at half size."""
-    phases = coarse_phases(steps) if coarse else default_phases(steps)
-    return FitSettings(lmbda=lmbda, phases=phases, reference_steps=800)
+    settings = FitSettings(lmbda=lmbda, phases=default_phases(steps), reference_steps=800)
+    return replace(settings, phases=coarse_phases(steps), split=_COARSE_SPLIT) if coarse else settings
 
 
 def default_phases(steps: int) -> tuple[Phase, ...]:
