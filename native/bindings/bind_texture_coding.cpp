@@ -207,15 +207,6 @@ void move_amplitudes(sgi::TextureAmplitudes &amplitudes, Array<const float, 3> g
   amplitudes.move(gradient.data(), contrast.data(), all, mean, most, cells);
 }
 
-auto shown_amplitudes(const sgi::TextureAmplitudes &amplitudes, LogSizes log_size, SymbolPlanes symbols) {
-  const size_t channels = size_t(amplitudes.channels), height = size_t(amplitudes.height),
-               width = size_t(amplitudes.width);
-  require(has_shape(log_size, height / sgi::kUnit, width / sgi::kUnit), "log_size [4 h, 4 w] of the roots");
-  require(symbols.shape(0) == channels && symbols.shape(1) == height && symbols.shape(2) == width,
-          "symbols [C, 32 h, 32 w] of the roots");
-  return as_array<float>(amplitudes.shown(log_size.data(), symbols.data()), std::array{channels, height, width});
-}
-
 auto texture_cells(LogSizes log_size, Contrasts contrast, SymbolPlanes symbols, Array<const float, 1> steps,
                    std::pair<float, float> slope, std::array<float, 3> excess, Colours colours) {
   require(steps.size() == symbols.shape(0), "steps [C]");
@@ -256,9 +247,7 @@ void bind_texture_coding(nb::module_ &m) {
       .def("move", &move_amplitudes, "gradient"_a, "contrast"_a, "steps"_a, "slope"_a, "mean"_a, "most"_a,
            "division"_a = nb::none(),
            "Moves them up a gradient, [C, 32 h, 32 w] of the roots, in the mean by `mean` of a step, at most by "
-           "`most`; with log2 of the sides of a layer's cells [4 h, 4 w], those alone.")
-      .def("shown", &shown_amplitudes, "log_size"_a, "symbols"_a,
-           "Those for which a layer has symbols that are not 0 [C, 32 h, 32 w], where its cells have their pixels.");
+           "`most`; with log2 of the sides of a layer's cells [4 h, 4 w], those alone.");
   m.def("texture_cells", &texture_cells, "log_size"_a, "contrast"_a, "symbols"_a, "steps"_a, "slope"_a, "excess"_a,
         "colours"_a, "Corners, log2 of sides, amplitudes in opponent colours.");
   m.def("cheapest_colours", &cheapest_colours, "planes"_a, "contrast"_a, "steps"_a, "slope"_a, "lmbda"_a, "threads"_a,

@@ -90,19 +90,4 @@ void TextureAmplitudes::move(const float *gradient, const int8_t *contrast, cons
   }
 }
 
-std::vector<float> TextureAmplitudes::shown(const uint8_t *log_size, const int16_t *symbols) const {
-  std::vector<float> found(size_t(width * height * channels), 0.0f);
-  for (int64_t row = 0; row < height * channels; ++row)
-    for (int64_t x = 0; x < width; ++x) {
-      const int log = log_size[row % height / kUnit * (width / kUnit) + x / kUnit];
-      const int64_t at = row * width + x, first = at % (width * height);
-      if (!log || !symbols[at]) continue;
-      const std::vector<float> &amplitudes = sizes_[log - kTextureLeast];
-      found[at] = amplitudes[at];
-      if (at != first && !symbols[first]) found[at] += share(int(row / height)) * amplitudes[first];
-    }
-  if (!colours_.same()) mix_colours(colours_.matrix(), found.data(), width * height);
-  return found;
-}
-
 }  // namespace sgi

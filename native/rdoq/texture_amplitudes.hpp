@@ -24,10 +24,6 @@ class TextureAmplitudes {
   void move(const float *gradient, const int8_t *contrast, const TextureSteps &steps, float mean, float most,
             const uint8_t *log_size);
 
-  // [C, height, width] in opponent colours: those for which a layer has symbols that are not 0, where these are, and 0.
-  // log_size, symbols: as in TextureField.
-  std::vector<float> shown(const uint8_t *log_size, const int16_t *symbols) const;
-
   const float *of(const TextureCell &cell, int channel) const {
     return sizes_[cell.log - kTextureLeast].data() + (channel * height + cell.y) * width + cell.x;
   }

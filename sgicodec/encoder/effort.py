@@ -28,7 +28,7 @@ Tune = Literal["psnr", "visual"]
 
 PLAIN_STEPS = {1: 120, 2: 200, 3: 350, 4: 600, 5: 1000, 6: 1600, 7: 2500, 8: 4000, 9: 8000}
 """Steps of each effort without texture."""
-PSNR_STEPS = PLAIN_STEPS | {3: 500, 4: 700}
+PSNR_STEPS = {1: 120, 2: 200, 3: 600, 4: 900, 5: 1400, 6: 2200, 7: 3200, 8: 5000, 9: 10000}
 """The same towards least squared error with texture."""
 VISUAL_STEPS = {1: 120, 2: 200, 3: 300, 4: 450, 5: 900, 6: 1400, 7: 2000, 8: 3200, 9: 6400}
 """The same for the eye with texture, which sees more of texture than of what more steps give to seeds."""
@@ -50,8 +50,6 @@ class Effort:
     split_margin: float
     """Up to how many times the cost of the other choice, by an estimate, a block of texture is tried whole or divided;
     1 trusts the estimate."""
-    rounds: int
-    """Times that seeds are quantised again beneath the texture; none for the eye, to which other errors are least."""
     ascent_passes: int
     """Passes of gradient ascent on what the eye sees, each of which searches texture anew."""
     butteraugli: int
@@ -70,15 +68,13 @@ def effort_of(steps: int, tuned_for: Tune, is_low: bool = False) -> Effort:
     """What goes with a fit of so many steps; is_low: without what gains little for its time. What a threshold switches
     on is worth its time from there on; before, more steps gain more in the same time.
     """
-    eye = tuned_for == "visual"
     rdoq_passes = _within(2, round(steps / 250), 32)
-    ascent_passes = _passes(steps) if eye else 0
+    ascent_passes = _passes(steps) if tuned_for == "visual" else 0
     return Effort(
         steps=steps,
         seed_price=min(max(4.2 * float((200 / steps) ** 0.3), 2.1), 5.0),
         rdoq=RdoqSettings(passes=1, deep=1, rounds=2) if is_low else RdoqSettings(passes=rdoq_passes),
         split_margin=NO_SPLIT_SEARCH if is_low else SPLIT_SEARCH_MARGIN,
-        rounds=0 if eye else _within(0, 1 + (steps - 375) // 225, 6),
         ascent_passes=ascent_passes,
         butteraugli=_passes_of_butteraugli(ascent_passes),
     )

@@ -12,6 +12,10 @@ from sgicodec.rdoq.settings import RdoqSettings
 
 __all__ = ["searched"]
 
+_COARSER = 0.3
+"""Octaves by which steps grow beforehand: symbols that are searched want coarser steps than the noise that they were
+trained with (docs/notes/2026-11-rdoq.md)."""
+
 
 def searched(
     objective: Objective,
@@ -27,8 +31,7 @@ def searched(
     """
     if ending(0):
         return model
-    if settings.coarser:
-        model = replace(model, networks=tuple(network.coarser(settings.coarser) for network in model.networks))
+    model = replace(model, networks=tuple(network.coarser(_COARSER) for network in model.networks))
     residual = objective.residual(model)
     for done in range(settings.passes):
         if done and ending(done):

@@ -17,6 +17,3 @@ class RdoqSettings:
     """Choices of a seed's colours that are followed to its shape and offset."""
     rounds: int = 3
     """Times that the symbols of a shape or an offset are gone through."""
-    coarser: float = 0.3
-    """Octaves by which steps grow beforehand: symbols that are searched want coarser steps than the noise that they
-    were trained with."""

@@ -12,7 +12,6 @@ from sgicodec._native import TextureAmplitudes, cheapest_colours
 from sgicodec.bitstream.parts.texture import texture_models
 from sgicodec.device import ALL_CORES, Device
 from sgicodec.model.gaussians import colour_matrix
-from sgicodec.model.texture import TextureLayer
 from sgicodec.model.texture_symbols import SAME_COLOURS, TextureSteps, TextureSymbols, roots_of, whole_roots
 
 __all__ = ["NO_SPLIT_SEARCH", "SPLIT_SEARCH_MARGIN", "TextureSearch", "colours_for", "superblock_planes"]
@@ -103,15 +102,6 @@ class TextureSearch:
             *parts,
         )
         return None if layer.is_empty else layer
-
-    def exact(self, symbols: TextureSymbols) -> TextureLayer:
-        """A layer that was found here with the amplitudes that its symbols stand for as they were before they were
-        rounded.
-        """
-        layer, shown = symbols.layer(), self._amplitudes.shown(symbols.log_size, symbols.symbols)
-        blocks = zip(layer.corner.tolist(), layer.log_size.tolist(), strict=True)
-        parts = [shown[:, y : y + (1 << log), x : x + (1 << log)].ravel() for (x, y), log in blocks]
-        return replace(layer, amplitudes=np.concatenate(parts))
 
     def move(
         self,

@@ -4,7 +4,6 @@ prepare      samples, the base layer, and what it leaves to seeds and texture
 share        detail without a direction is left to texture
 fit          seeds by gradient descent
 rdoq         symbols of least error plus λ times bits
-requantise   towards least squared error: seeds once more, for what texture leaves
 texture      cosines for what seeds leave, and restoration of what both show
 """
 
@@ -17,7 +16,7 @@ import numpy as np
 from sgicodec.bitstream.header import Header
 from sgicodec.bitstream.parts.prior import load_prior
 from sgicodec.bitstream.parts.tile import TileModel
-from sgicodec.encoder.tile.least_squares import LeastSquares, requantise_seeds_under_texture
+from sgicodec.encoder.tile.least_squares import LeastSquares
 from sgicodec.encoder.tile.perceptual import Perceptual
 from sgicodec.encoder.tile.sharing import seed_weights
 from sgicodec.encoder.tile.state import Prepared, Tile, TileState
@@ -50,9 +49,7 @@ _MIN_TAUGHT_SEEDS = 64
 
 def encode(tile: Tile) -> TileState:
     """The tile through all stages, at a constant λ."""
-    state = fit_seeds(tile, tile.fit.lmbda)
-    state = requantise_seeds_under_texture(state)
-    return texture(state)
+    return texture(fit_seeds(tile, tile.fit.lmbda))
 
 
 def fit_seeds(tile: Tile, lmbda: float, min_passes: int = 0) -> TileState:

@@ -46,9 +46,7 @@ def squared_error(residual: np.ndarray, layer: TextureSymbols) -> float:
 
 @pytest.mark.parametrize("has_contrast", [False, True])
 @pytest.mark.parametrize("colours", [SAME_COLOURS, OTHERS])
-def test_bits_are_those_of_the_stream(
-    residual: np.ndarray, has_contrast: bool, colours: tuple[int, int, int]
-) -> None:
+def test_bits_are_those_of_the_stream(residual: np.ndarray, has_contrast: bool, colours: tuple[int, int, int]) -> None:
     contrast = np.zeros((3, 5), np.int8)
     if has_contrast:
         contrast[:] = np.random.default_rng(0).integers(-3, 4, contrast.shape)
@@ -59,25 +57,6 @@ def test_bits_are_those_of_the_stream(
     assert payload_of(layer)[1] == pytest.approx(bits + fields, rel=1e-9)
     magnitude = np.abs(layer.symbols)
     assert counts == [(magnitude == 1).sum(), (magnitude == 2).sum(), (magnitude > 2).sum()]
-
-
-def test_exact_amplitudes_leave_what_no_symbol_shows(residual: np.ndarray) -> None:
-    """Rounding them gives the layer, within what dependent symbols may be off; what is left is orthogonal to them."""
-    search = TextureSearch(residual)
-    layer = search.at(TextureSteps(380, SAME), PRICE)
-    assert layer is not None
-    rounded, exact = layer.layer(), search.exact(layer)
-    assert (exact.corner == rounded.corner).all()
-    assert (exact.log_size == rounded.log_size).all()
-    assert ((exact.amplitudes != 0) == (rounded.amplitudes != 0)).all()
-    step = layer.steps.of_channels[0]
-    off = np.abs(exact.amplitudes - rounded.amplitudes) / step
-    assert 0.1 < off[rounded.amplitudes != 0].mean() < 0.35
-    shown, left = exact.draw(), squared_error(residual, layer)
-    energy = float(np.square(shown, dtype=np.float64).sum())
-    assert abs(float(((residual - shown) * shown).sum(dtype=np.float64))) < 1e-3 * energy
-    noise = float(np.square((exact.amplitudes - rounded.amplitudes).astype(np.float64)).sum())
-    assert float(np.square(residual - shown, dtype=np.float64).sum()) == pytest.approx(left - noise, rel=0.02)
 
 
 def test_what_is_found_pays(residual: np.ndarray) -> None:
@@ -163,14 +142,13 @@ def test_amplitudes_of_given_blocks_alone_move(residual: np.ndarray) -> None:
     search.move(gradient, steps, None, 0.05, 0.2, blocks)
     all_move.move(gradient, steps, None, 0.05, 0.2)
     for log in (3, 4, 5):
-        of_size = replace(blocks, log_size=np.full_like(blocks.log_size, log), symbols=np.ones_like(blocks.symbols))
-        before, after, every = (
-            one._amplitudes.shown(of_size.log_size, of_size.symbols) for one in (still, search, all_move)
-        )
+        of_size = replace(blocks, log_size=np.full_like(blocks.log_size, log))
+        finest = (one.at(TextureSteps(60, SAME), 0.0, blocks=of_size) for one in (still, search, all_move))
+        before, after, every = (layer.symbols.astype(np.float64) for layer in finest if layer is not None)
         here = np.repeat(np.repeat(blocks.log_size == log, 8, axis=0), 8, axis=1)
         assert np.array_equal(after[:, ~here], before[:, ~here])
         if here.any():
-            ways = ((one - before)[:, here].astype(np.float64) for one in (after, every))
+            ways = ((one - before)[:, here] for one in (after, every))
             assert np.corrcoef(*(way.ravel() for way in ways))[0, 1] > 0.99
 
 
