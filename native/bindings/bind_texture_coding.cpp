@@ -153,7 +153,7 @@ class TextureModels {
       nb::gil_scoped_release release;
       return sgi::search_texture(models_, amplitudes, contrast.data(), all, {lmbda, has_contrast, doubt}, cells);
     }();
-    return std::tuple(sgi::field_arrays(std::move(found.field)), found.bits, found.count, found.excess);
+    return std::tuple(sgi::field_arrays(std::move(found.field)), found.count, found.excess);
   }
 
  private:
@@ -236,7 +236,7 @@ void bind_texture_coding(nb::module_ &m) {
            "Bits, their P(1) in 2^-16, all symbols in coding order, information content.")
       .def("search", &TextureModels::search, "amplitudes"_a, "contrast"_a, "steps"_a, "slope"_a, "lmbda"_a,
            "has_contrast"_a, "doubt"_a, "division"_a.none(),
-           "log_size, contrast and symbols; bits; by magnitude 1, 2 and more the symbols and the sum of their excess.");
+           "log_size, contrast and symbols; by magnitude 1, 2 and more the symbols and the sum of their excess.");
   nb::class_<sgi::TextureAmplitudes>(m, "TextureAmplitudes")
       .def(
           "__init__",

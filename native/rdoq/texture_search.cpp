@@ -26,10 +26,9 @@ class TextureSearch {
  public:
   TextureSearch(BitModels &models, const TextureSought &sought)
       : found_{empty_field(sought.amplitudes.tile_width, sought.amplitudes.tile_height, sought.amplitudes.channels),
-               0,
                {},
                {}},
-        models_(models), coding_(models, found_.field, counter_), sought_(sought) {}
+        models_(models), coding_(models, found_.field, taker_), sought_(sought) {}
 
   TextureFound run() {
     const int64_t side = 1 << kTextureRoot, height = sought_.amplitudes.tile_height;
@@ -42,7 +41,6 @@ class TextureSearch {
                    [&](int64_t row) { row ? decide_lower(y + side) : decide_upper(y, both); });
       for (int64_t i = 0; both && i < across; ++i) code_root({i * side, y + side, kTextureRoot}, lower_[size_t(i)]);
     }
-    found_.bits = counter_.account.total();
     return std::move(found_);
   }
 
@@ -133,8 +131,8 @@ class TextureSearch {
 
   TextureFound found_;
   BitModels &models_;
-  BitCounter counter_;
-  TextureCoding<BitCounter> coding_;
+  BitTaker taker_;
+  TextureCoding<BitTaker> coding_;
   const TextureSought &sought_;
   std::vector<std::vector<int>> upper_, lower_;  // what was decided of the roots of both rows
   const std::vector<int> *plan_ = nullptr;

@@ -20,7 +20,6 @@ struct TextureSettings {
 
 struct TextureFound {
   TextureField field;
-  double bits;
   // By magnitude 1, 2 and more: how many symbols, and the sum of |amplitude| / step - |symbol|.
   std::array<double, 3> count, excess;
 };

@@ -23,7 +23,7 @@ SPLIT_SEARCH_MARGIN, NO_SPLIT_SEARCH = 1.06, 1.0
 (docs/notes/2026-11-encode-speed.md has 1.03 to 1.06)."""
 
 _Layer = tuple[NDArray[np.uint8], NDArray[np.int8], NDArray[np.int16]]
-_Found = tuple[_Layer, float, list[float], list[float]]
+_Found = tuple[_Layer, list[float], list[float]]
 
 
 def superblock_planes(residual: F32, beyond: Literal["symmetric", "constant"] = "symmetric") -> F32:
@@ -74,8 +74,6 @@ class TextureSearch:
         self._shape = rows, columns
         wanted = residual if correction is None else residual - correction
         self._amplitudes = TextureAmplitudes(superblock_planes(wanted), self.size, device.threads, colours)
-        self.bits = 0.0
-        """Of the layer that was found last, its information content."""
 
     def excluding(self, correction: F32) -> TextureSearch:
         """The search for layers to which restoration adds this correction [C, H, W]."""
@@ -93,7 +91,7 @@ class TextureSearch:
         them.
         """
         division = None if blocks is None else blocks.log_size
-        parts, self.bits, counts, excess = self._search(steps, squared_steps, offsets, division)
+        parts, counts, excess = self._search(steps, squared_steps, offsets, division)
         added = tuple(_excess_index(sum_ / count) if count else 8 for count, sum_ in zip(counts, excess, strict=True))
         one, two, more = added
         layer = TextureSymbols(

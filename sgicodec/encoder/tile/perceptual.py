@@ -14,8 +14,7 @@ their symbols.
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,10 +46,6 @@ SHORTER_BY_PASSES = 0.6
 bytes (docs/notes/2026-11-equal-losses.md)."""
 MAX_MOVE = 12.0
 """Of one amplitude, in means (docs/notes/2026-11-score-ascent.md)."""
-FINER_STEPS = 40.0
-"""Points that steps so fine as to take e times the bits would gain (docs/notes/2026-11-score-ascent.md)."""
-SHORTER = 0.5
-"""What moves are to the ones before, where those gained less than finer steps would for their bits."""
 
 
 class Perceptual:
@@ -102,22 +97,6 @@ class Perceptual:
         return state, layer, steps.after(score)
 
 
-@dataclass
-class _Pace:
-    """How far amplitudes move in a pass: less once moves gain no more than their bits. mean: in steps."""
-
-    mean: float
-    _last: tuple[int, float] | None = None
-
-    def after(self, step: int, bits: float, points: float) -> float:
-        """The mean of the moves that follow a layer of this step."""
-        gained = points - FINER_STEPS * math.log(max(bits, 1.0))
-        if self._last is not None and self._last[0] == step and gained < self._last[1]:
-            self.mean *= SHORTER
-        self._last = step, gained
-        return self.mean
-
-
 class ScoreAscent:
     """The ascent for layers of one picture in so many passes. unit [C, H, W]: what they are to show, in luma space
     where `luma_space`; empty [H, W]: pixels that count nothing, None for none; strength: with which what is rendered is
@@ -136,7 +115,7 @@ class ScoreAscent:
         butteraugli: int = 1,
     ) -> None:
         self.unit, self.luma_space, self.empty, self.device, self.strength = unit, luma_space, empty, device, strength
-        self._pace, original = _Pace(MEAN_MOVE / passes**SHORTER_BY_PASSES), self._seen(unit)
+        self._mean_move, original = MEAN_MOVE / passes**SHORTER_BY_PASSES, self._seen(unit)
         self._structure = VisualReference(original, device)
         self._differences = ButteraugliReference(original, device) if butteraugli else None
         self._serves, self._passes, self._distance = butteraugli, 0, (0.0, unit)
@@ -154,27 +133,26 @@ class ScoreAscent:
         of this one; usual: of the first; None for none.
         """
         rendered = self._rendered(search, layer)
-        score, points, gradient = self._judged(self._seen(rendered))
+        score, gradient = self._judged(self._seen(rendered))
         gradient = self._in_unit(gradient)
         if self.empty is not None:
             gradient[:, self.empty] = 0
-        mean = self._pace.after(layer.steps.step, search.bits, points)
-        search.move(gradient, layer.steps, offsets, mean, MAX_MOVE * mean, layer if blocks_stay else None)
+        mean, blocks = self._mean_move, layer if blocks_stay else None
+        search.move(gradient, layer.steps, offsets, mean, MAX_MOVE * mean, blocks)
         if offsets is not None and usual is not None:
             gain = (gradient * (self.unit - rendered)).sum(axis=0)
             offsets = better_offsets(offsets, usual, gain, layer)
         return score, offsets
 
-    def _judged(self, decoded: F32) -> tuple[float, float, F32]:
-        """SSIMULACRA 2 of a picture [C, H, W], points of what is climbed, and the gradient of these [C, H, W]."""
+    def _judged(self, decoded: F32) -> tuple[float, F32]:
+        """SSIMULACRA 2 of a picture [C, H, W], and the gradient of what is climbed [C, H, W]."""
         score, gradient = self._structure.gradient(decoded)
         if self._differences is None:
-            return score, score, gradient
+            return score, gradient
         distance, farther = self._next_distance(self._differences, decoded)
         if distance == 0:  # it has a side of a few pixels
-            return score, score, gradient
-        points = score - BUTTERAUGLI * math.log(distance)
-        return score, points, gradient - np.float32(BUTTERAUGLI / distance) * farther
+            return score, gradient
+        return score, gradient - np.float32(BUTTERAUGLI / distance) * farther
 
     def _next_distance(self, differences: ButteraugliReference, decoded: F32) -> tuple[float, F32]:
         """Butteraugli of a picture and its gradient [C, H, W], or those of a pass before which serve this one, too."""

@@ -11,7 +11,7 @@ from sgicodec import read
 from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
 from sgicodec.bitstream.parts.texture import write_texture
 from sgicodec.device import ONE_THREAD
-from sgicodec.encoder.tile.perceptual import ScoreAscent, _Pace, better_offsets
+from sgicodec.encoder.tile.perceptual import ScoreAscent, better_offsets
 from sgicodec.encoder.tile.texture_steps import TUNINGS, Masking
 from sgicodec.metrics.butteraugli import ButteraugliReference
 from sgicodec.metrics.visual_score import VisualReference
@@ -122,15 +122,6 @@ def test_other_channels_than_three(channels: int) -> None:
         assert layer is not None
         ascent.climb(search, layer, None, None)
     assert score() > before + 1
-
-
-def test_moves_that_are_not_worth_their_bits_become_shorter() -> None:
-    pace = _Pace(0.01)
-    assert pace.after(400, 1000, 50) == 0.01
-    assert pace.after(400, 1010, 52) == 0.01  # bits of 0.4 points
-    assert pace.after(400, 1080, 54) == 0.005  # of 2.7
-    assert pace.after(399, 1200, 54) == 0.005  # finer steps say nothing
-    assert pace.after(399, 1210, 54.2) == 0.0025  # bits of 0.3
 
 
 ROWS, COLUMNS = 6, 8
