@@ -197,8 +197,7 @@ double forward(const FeatureState &s, int64_t begin, int64_t end, const SeedGaus
     vf bits[kVectors];
     read_values(s, first, m.values);
     draw(s, first, m, bits);
-    for (int64_t i = 0; i < kBatchSeeds && first + i < s.count; ++i)
-      total += lane(bits[i / LANES], int(i % LANES));
+    for (int64_t i = 0; i < kBatchSeeds && first + i < s.count; ++i) total += lane(bits[i / LANES], int(i % LANES));
     decode(s, m);
     write_batch(s, first, m, out);
   }

@@ -86,9 +86,9 @@ def _passes(steps: int) -> int:
 
 
 def _passes_of_butteraugli(passes: int) -> int:
-    """Without it, a single pass gains 1.5 % of bytes by SSIMULACRA 2 and loses 2.5 % by Butteraugli. Each gradient for
-    two passes costs 0.1 % in the mean of both where there are few, 0.6 % where there are six or more; an encode then
-    takes 0.91 and 0.93 of the seconds (docs/notes/2026-11-ladder.md).
+    """Passes that one gradient of Butteraugli serves; 0 for a single pass, which gains 1.5 % of bytes by SSIMULACRA 2
+    without it and loses 2.5 % by Butteraugli. Two for each cost 0.1 % in the mean of both scores where there are few,
+    0.6 % where there are six or more, and an encode takes 0.91 and 0.96 of the seconds (docs/notes/2026-11-ladder.md).
     """
     if passes < 2:
         return 0
