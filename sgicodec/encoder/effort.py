@@ -72,16 +72,12 @@ def effort_of(steps: int, tuned_for: Tune, is_low: bool = False) -> Effort:
     ascent_passes = _passes(steps) if tuned_for == "visual" else 0
     return Effort(
         steps=steps,
-        seed_price=min(_SEED_PRICE[tuned_for] * max(float((200 / steps) ** 0.3), 0.5), 5.0),
+        seed_price=min(max(4.2 * float((200 / steps) ** 0.3), 2.1), 5.0),
         rdoq=RdoqSettings(passes=1, deep=1, rounds=2) if is_low else RdoqSettings(passes=rdoq_passes),
         split_margin=NO_SPLIT_SEARCH if is_low else SPLIT_SEARCH_MARGIN,
         ascent_passes=ascent_passes,
         butteraugli=_passes_of_butteraugli(ascent_passes),
     )
-
-
-_SEED_PRICE: dict[Tune, float] = {"psnr": 2.9, "visual": 4.2}
-"""`seed_price` of a fit of 200 steps (docs/notes/2026-11-ladder.md, "What seeds cost towards least squared error")."""
 
 
 def _passes(steps: int) -> int:
