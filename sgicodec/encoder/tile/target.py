@@ -78,6 +78,8 @@ def _at_target(state: TileState, target: RateTarget) -> tuple[_Tried, float, Str
 
     def measure(shift: float) -> Measured:
         nonlocal none_from
+        if shift in tried:
+            return tried[shift].measured
         if shift > none_from:
             tried[shift] = tried[none_from]
             return tried[shift].measured
@@ -91,9 +93,10 @@ def _at_target(state: TileState, target: RateTarget) -> tuple[_Tried, float, Str
 
     # What follows is for the texture about where the target will be met.
     near = round(min(max(target.rate_error(measure(0.0)) / -OCTAVES_PER_UNIT, -SHIFT_MAX), SHIFT_MAX))
-    state, search = strategy.aim(state, search, step_at(near))
-    none_from = math.inf
-    tried.clear()
+    before, (state, search) = state, strategy.aim(state, search, step_at(near))
+    if state is not before:
+        none_from = math.inf
+        tried.clear()
     shift = near + step_shift(target, lambda moved: measure(near + moved))
     octaves = -OCTAVES_PER_UNIT * shift
     if not target.is_met(tried[shift].measured):
