@@ -8,12 +8,13 @@
 namespace sgi {
 namespace {
 
-// Has sums added to in this order: g++ would add up the products first, for which there are no registers.
-inline void keep_order(narrow::vi &sum) {
+// Keeps a value in a register from here on: g++ would add up products before it adds them to a sum, for which there are
+// no registers, and load what it has loaded again.
+inline void keep(narrow::vi &value) {
 #ifdef SGI_X86
-  asm("" : "+v"(sum));
+  asm("" : "+v"(value));
 #endif
-  (void)sum;
+  (void)value;
 }
 
 inline narrow::vi activation(narrow::vi sum, int shift) { return narrow::clipped(sum >> shift, 0, kRestorationMost); }

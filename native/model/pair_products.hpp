@@ -24,7 +24,7 @@ inline vi multiply_pairs(vi a, vi b) {
 #endif
 }
 
-// sum plus those products: FUSED where the processor has one instruction for both.
+// sum plus those products, which may wrap around: FUSED where the processor has one instruction for both.
 template <bool FUSED>
 inline vi add_products(vi sum, vi a, vi b) {
 #if defined(SGI_X86) && LANES == 16
@@ -33,7 +33,8 @@ inline vi add_products(vi sum, vi a, vi b) {
     return sum;
   }
 #endif
-  return sum + multiply_pairs(a, b);
+  using Wrapping = uint32_t __attribute__((vector_size(LANES * 4)));
+  return (vi)((Wrapping)sum + (Wrapping)multiply_pairs(a, b));
 }
 
 inline bool has_fused() {

@@ -9,6 +9,7 @@ constexpr int kRestorationColumns = 128;  // of a strip, at most, with what hidd
 constexpr int kRestorationStride = kRestorationColumns + 16;  // of a row: what is read behind a strip is there
 
 constexpr int kRestorationTaps = 9, kRestorationBlock = 4;  // outputs are padded to whole blocks
+constexpr int kRestorationLast = 3;                         // outputs of the last layer
 
 // Of squares of two rows and columns of outputs (model/restoration_squares.hpp): their places, what the inputs of a
 // layer and its outputs must be whole groups of, and the most inputs; and what inputs may be.
@@ -38,7 +39,7 @@ struct RestorationKernel {
   // inputs are within 0 ... kRestorationSmall. Returns whether outputs are; rows must be two at least. As many
   // columns as are asked for are sound, of at most kRestorationColumns.
   bool (*hidden)(const LayerView &layer, const int32_t *in, int64_t rows, int64_t columns, bool small, int32_t *out);
-  // The same for the last layer; out [4 blocks, rows, stride]: sums.
+  // The same for the last layer; out [kRestorationLast, rows, stride]: sums.
   void (*last)(const LayerView &layer, const int32_t *in, int64_t rows, int64_t columns, int32_t *out);
   // Adds sums, `plane` apart, times the matrix to values.
   void (*add)(const int32_t *sums, int64_t plane, int64_t pixels, const RestorationMix &mix, float *values);

@@ -20,45 +20,50 @@ constexpr int kColumns = kVectors * LANES;
 static_assert(kRestorationColumns % kColumns == 0, "a strip must hold whole vectors");
 static_assert(kRestorationStride >= kRestorationColumns + 2, "rows must hold what is beside a strip");
 
-using Sums = vi[kRestorationBlock][kVectors];
+template <int OUTPUTS>
+using Sums = vi[OUTPUTS][kVectors];
 
-// Of a block of outputs at kColumns pixels. in: the pixel above and to the left of the first one; `plane` from one pair
+// Of outputs of a block at kColumns pixels. in: the pixel above and to the left of the first one; `plane` from one pair
 // of inputs to the next.
-template <bool FUSED>
+template <bool FUSED, int OUTPUTS>
 inline void convolve(const LayerView &layer, const int32_t *weight, const int32_t *bias, const int32_t *in,
-                     int64_t plane, Sums &sum) {
-  for (int o = 0; o < kRestorationBlock; ++o)
+                     int64_t plane, Sums<OUTPUTS> &sum) {
+  for (int o = 0; o < OUTPUTS; ++o)
     for (int v = 0; v < kVectors; ++v) sum[o][v] = vi{} + bias[o];
   for (int pair = 0; pair < layer.pairs; ++pair, in += plane)
-    for (int tap = 0; tap < kRestorationTaps; ++tap, weight += kRestorationBlock) {
-      const int32_t *row = in + (tap / 3) * kRestorationStride + tap % 3;
-      vi value[kVectors];
-      for (int v = 0; v < kVectors; ++v) value[v] = narrow::load(row + v * LANES);
-      for (int o = 0; o < kRestorationBlock; ++o)
+    for (int y = 0; y < 3; ++y)
+      for (int x = 0; x < 3; ++x, weight += kRestorationBlock) {
+        vi value[kVectors];
         for (int v = 0; v < kVectors; ++v) {
-          sum[o][v] = narrow::add_products<FUSED>(sum[o][v], value[v], vi{} + weight[o]);
-          keep_order(sum[o][v]);
+          value[v] = narrow::load(in + y * kRestorationStride + x + v * LANES);
+          keep(value[v]);
         }
-    }
+        for (int o = 0; o < OUTPUTS; ++o)
+          for (int v = 0; v < kVectors; ++v) {
+            sum[o][v] = narrow::add_products<FUSED>(sum[o][v], value[v], vi{} + weight[o]);
+            keep(sum[o][v]);
+          }
+      }
 }
 
 template <bool FUSED, bool LAST>
 bool layer_as(const LayerView &layer, const int32_t *in, int64_t rows, int64_t columns, int32_t *out) {
   const int64_t plane_in = (rows + 2) * kRestorationStride, plane = rows * kRestorationStride;
+  constexpr int kOutputs = LAST ? kRestorationLast : kRestorationBlock;
   vi bits{};
   for (int64_t row = 0; row < rows; ++row)
     for (int block = 0; block < layer.blocks; ++block) {
       const int32_t *weights = layer.weights + int64_t(block) * layer.pairs * kRestorationTaps * kRestorationBlock;
       for (int64_t x = 0; x < columns; x += kColumns) {
         const int64_t at = row * kRestorationStride + x;
-        Sums sum;
-        convolve<FUSED>(layer, weights, layer.biases + block * kRestorationBlock, in + at, plane_in, sum);
+        Sums<kOutputs> sum;
+        convolve<FUSED, kOutputs>(layer, weights, layer.biases + block * kRestorationBlock, in + at, plane_in, sum);
         for (int v = 0; v < kVectors; ++v)
           if constexpr (LAST) {
-            for (int o = 0; o < kRestorationBlock; ++o)
+            for (int o = 0; o < kOutputs; ++o)
               narrow::store(out + (block * kRestorationBlock + o) * plane + at + v * LANES, sum[o][v]);
           } else {
-            for (int o = 0; o < kRestorationBlock; o += 2) {
+            for (int o = 0; o < kOutputs; o += 2) {
               const vi pairs = pair_of(activation(sum[o][v], layer.shift), activation(sum[o + 1][v], layer.shift));
               bits |= pairs;
               narrow::store(out + (block * kRestorationBlock + o) / 2 * plane + at + v * LANES, pairs);

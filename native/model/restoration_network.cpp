@@ -59,9 +59,10 @@ bool sums_fit(const RestorationLayer &layer, int output, int64_t largest, int64_
 
 bool sums_fit(const RestorationLayer &layer, int output) { return sums_fit(layer, output, kRestorationMost, 1); }
 
-// Four times what a place of squares multiplies an input by (model/restoration_squares.hpp).
+// Four times what a place of squares multiplies an input by (model/restoration_squares.hpp). Row 3 and column 3 have
+// the signs with which they are added.
 int square_weight(const RestorationLayer &layer, int output, int input, int place) {
-  constexpr int kShares[4][3] = {{2, 0, 0}, {1, 1, 1}, {1, -1, 1}, {0, 0, 2}};
+  constexpr int kShares[4][3] = {{2, 0, 0}, {1, 1, 1}, {1, -1, 1}, {0, 0, -2}};
   int sum = 0;
   for (int tap = 0; tap < kRestorationTaps; ++tap)
     sum += kShares[place / 4][tap / 3] * kShares[place % 4][tap % 3] * layer.weight(output, input, tap);
