@@ -211,8 +211,9 @@ auto texture_cells(LogSizes log_size, Contrasts contrast, SymbolPlanes symbols, 
                    std::pair<float, float> slope, std::array<float, 3> excess, Colours colours) {
   require(steps.size() == symbols.shape(0), "steps [C]");
   const sgi::TextureColours mixed = colours_of(colours, steps.size());
-  sgi::TextureCells cells =
-      sgi::texture_cells(field_of(log_size, contrast, symbols), steps_of(steps, slope), excess.data(), mixed, 1);
+  TextureField field = field_of(log_size, contrast, symbols);
+  field.find_extents();
+  sgi::TextureCells cells = sgi::texture_cells(field, steps_of(steps, slope), excess.data(), mixed, 1);
   const size_t count = cells.log_size.size(), values = size_t(cells.amplitude_count);
   return std::tuple(
       as_array<int32_t>(std::move(cells.corner), std::array{count, size_t(2)}),

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <cstring>
 
 #include "base/thread_pool.hpp"
 #include "model/texture_quantizer.hpp"
@@ -60,29 +59,16 @@ class Collection {
     const float step = steps_.of(channel, field_.contrast[field_.root(cell.x, cell.y)]);
     const float *growth = steps_.growth(channel, cell.log);
     const int16_t *symbols = field_.at(channel, cell);
-    const int diagonals = coded_diagonals(symbols, cell.side());
+    const int last = field_.last_at_most(channel, cell);
     const float excess[] = {0.5f, excess_[0], excess_[1], excess_[2]};  // the first lets no symbol be +0 in both states
     QuantizerState state;
     for (const Frequency &at : texture_scan(cell.log)) {
-      if (at.diagonal() >= diagonals) break;
+      if (at.diagonal() > last) break;
       const int symbol = symbols[at.v * field_.width + at.u];
       const auto sign = float((symbol > 0) - (symbol < 0));  // no branch, which nothing could predict
       to[at.index] = sign * (state.magnitude(symbol) + excess[std::min(std::abs(symbol), 3)]) * step * growth[at.index];
       state = state.after(symbol);
     }
-  }
-
-  // One more than the last diagonal that may have a symbol.
-  int coded_diagonals(const int16_t *symbols, int side) const {
-    constexpr int kColumns = 4;
-    int found = 0;
-    for (int v = 0; v < side; ++v)
-      for (int end = side; v + end > found; end -= kColumns) {
-        uint64_t some;
-        std::memcpy(&some, symbols + v * field_.width + end - kColumns, sizeof some);
-        if (some) found = v + end;
-      }
-    return found;
   }
 
   const TextureField &field_;

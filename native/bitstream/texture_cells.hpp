@@ -17,7 +17,8 @@ struct TextureCells {
   int64_t amplitude_count;
 };
 
-// Cells in coding order. excess: what is added to the magnitude of symbols ±1, ±2, and all larger ones.
+// Cells in coding order, of a field with extents. excess: what is added to the magnitude of symbols ±1, ±2, and all
+// larger ones.
 TextureCells texture_cells(const TextureField &field, const TextureSteps &steps, const float *excess,
                            const TextureColours &colours, int threads);
 

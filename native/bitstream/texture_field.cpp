@@ -17,9 +17,23 @@ void TextureField::mark(const TextureCell &cell, int log) {
 }
 
 void TextureField::set(const TextureCell &cell, int channel, const int16_t *values, int last) {
-  const int side = cell.side(), across = side / kUnit;
+  put(cell, channel, values, cell.side());
+  state_extent(cell, channel, last);
+}
+
+void TextureField::add(const TextureCell &cell, int channel, const int16_t *values, int last) {
+  put(cell, channel, values, std::min(cell.side(), last + 1));
+  state_extent(cell, channel, last);
+}
+
+void TextureField::put(const TextureCell &cell, int channel, const int16_t *values, int rows) {
+  const int side = cell.side();
   int16_t *to = at(channel, cell);
-  for (int row = 0; row < side; ++row) std::copy_n(values + row * side, side, to + row * width);
+  for (int row = 0; row < rows; ++row) std::copy_n(values + row * side, side, to + row * width);
+}
+
+void TextureField::state_extent(const TextureCell &cell, int channel, int last) {
+  const int side = cell.side(), across = side / kUnit;
   const auto reach = uint8_t(last < 0 ? 0 : 1 + last * 15 / (2 * side - 2));
   for (int64_t row = 0; row < across; ++row)
     std::fill_n(extent.begin() + channel * unit_count() + unit(cell.x, cell.y + row * kUnit), across, reach);
@@ -29,6 +43,16 @@ void TextureField::clear(const TextureCell &cell) {
   static const CellValues<int16_t> nothing{};
   mark(cell, 0);
   for (int channel = 0; channel < channels; ++channel) set(cell, channel, nothing.data(), -1);
+}
+
+void TextureField::find_extents() {
+  for (int64_t y = 0; y < height; y += kUnit)
+    for (int64_t x = 0; x < width; x += kUnit) {
+      const TextureCell cell{x, y, log_size[unit(x, y)]};
+      if (!cell.log || (x | y) % cell.side()) continue;
+      for (int channel = 0; channel < channels; ++channel)
+        state_extent(cell, channel, last_diagonal(at(channel, cell), width, cell.log));
+    }
 }
 
 const std::vector<Frequency> &texture_scan(int log) {
@@ -45,12 +69,12 @@ const std::vector<Frequency> &texture_scan(int log) {
   return scans[log - kTextureLeast];
 }
 
-int last_diagonal(const int16_t *values, int log) {
+int last_diagonal(const int16_t *values, int64_t stride, int log) {
   const int side = 1 << log;
   int last = -1;
   for (int v = 0; v < side; ++v)
     for (int u = side - 1; u >= 0 && u + v > last; --u)
-      if (values[v * side + u]) last = u + v;
+      if (values[v * stride + u]) last = u + v;
   return last;
 }
 

@@ -52,8 +52,16 @@ struct TextureField {
   }
   // Sets a channel's symbols [n, n] of a cell whose last diagonal with a symbol is `last`, -1 for none.
   void set(const TextureCell &cell, int channel, const int16_t *values, int last);
+  // The same where there are none yet: touches only the rows that get some.
+  void add(const TextureCell &cell, int channel, const int16_t *values, int last);
+  // States extents by what symbols there are.
+  void find_extents();
   // Takes a cell's texture away.
   void clear(const TextureCell &cell);
+
+ private:
+  void put(const TextureCell &cell, int channel, const int16_t *values, int rows);
+  void state_extent(const TextureCell &cell, int channel, int last);
 };
 
 // A frequency (u, v) of a cell; index: v * n + u.
@@ -67,7 +75,7 @@ struct Frequency {
 // The frequencies of a cell by diagonals from low to high, within one by rising u.
 const std::vector<Frequency> &texture_scan(int log);
 
-// The last diagonal of a cell's values [n, n] with a symbol, -1 for none.
-int last_diagonal(const int16_t *values, int log);
+// The last diagonal of a cell's values [n, n] with a symbol, -1 for none; `stride` from one row to the next.
+int last_diagonal(const int16_t *values, int64_t stride, int log);
 
 }  // namespace sgi

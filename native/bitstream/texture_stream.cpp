@@ -66,8 +66,9 @@ class LayerCoding {
       if (given_)
         for (int row = 0; row < side; ++row)
           std::copy_n(given_->at(channel, cell) + row * field_.width, side, &values_[row * side]);
-      const int last = coding.block(cell, channel, given_ ? last_diagonal(values_.data(), cell.log) : -1, values_);
-      field_.set(cell, channel, values_.data(), last);
+      const int last =
+          coding.block(cell, channel, given_ ? last_diagonal(values_.data(), side, cell.log) : -1, values_);
+      field_.add(cell, channel, values_.data(), last);
       any = any || last >= 0;
     }
     leaves_ += any;

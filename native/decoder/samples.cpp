@@ -60,10 +60,10 @@ bool equals(T sample, double value) {
 
 }  // namespace
 
-SampleFormat::SampleFormat(const Header &header, Output output, std::optional<double> nodata)
+SampleFormat::SampleFormat(const Header &header, Output output, std::optional<double> nodata, Isa isa)
     : type(output == Output::values ? SampleType::f32 : type_of(output, header.sample_type)),
       channels(header.spec.channels), alpha(header.alpha()),
-      blank(nodata ? nodata_in(header, type_of(output, header.sample_type), nodata) : 0),
+      blank(nodata ? nodata_in(header, type_of(output, header.sample_type), nodata) : 0), isa(isa),
       is_mapped_(output != Output::values), is_source_(type == header.sample_type),
       has_nodata_(header.masked == Masked::nodata), from_(is_source_ ? header.low : std::vector<double>(channels, 0)),
       to_(is_source_ ? header.high : std::vector<double>(channels, largest_of(type))), source_from_(header.low),
@@ -111,29 +111,13 @@ T stored(float sample) {
   return std::is_floating_point_v<T> ? T(sample) : T(rounded(sample));
 }
 
-bool all_equal(const std::vector<float> &values) {
-  return std::adjacent_find(values.begin(), values.end(), std::not_equal_to<>()) == values.end();
-}
-
 }  // namespace
 
 void SampleFormat::store(const float *values, const PixelBlock &block, int threads) const {
-  as_type(type, [&](auto *kind) {
-    using T = std::remove_pointer_t<decltype(kind)>;
-    const bool is_same = !is_mapped_ || (all_equal(low_) && all_equal(span_));
-    const float low = low_[0], span = span_[0];
-    for_each_row(block, threads, [&](int64_t row) {
-      const int64_t count = block.columns * channels;
-      const float *from = values + row * count;
-      T *to = static_cast<T *>(block.first) + row * block.stride;
-      if (!is_mapped_)
-        for (int64_t i = 0; i < count; ++i) to[i] = stored<T>(from[i]);
-      else if (is_same)
-        for (int64_t i = 0; i < count; ++i) to[i] = stored<T>(low + span * clipped(from[i]));
-      else
-        for (int64_t i = 0; i < count; ++i)
-          to[i] = stored<T>(low_[i % channels] + span_[i % channels] * clipped(from[i]));
-    });
+  for_each_row(block, threads, [&](int64_t row) {
+    const PixelBlock here = part(block, 0, row, block.columns, 1);
+    kernel_for<FinishKernel>(isa).store(values + row * block.columns * channels, block.columns, channels,
+                                        samples(here));
   });
 }
 

@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "base/isa.hpp"
 #include "bitstream/header.hpp"
 #include "raster/finish_kernel.hpp"
 
@@ -23,7 +24,7 @@ struct PixelBlock {
 class SampleFormat {
  public:
   // nodata: what stands for nothing in the source, if anything does.
-  SampleFormat(const Header &header, Output output, std::optional<double> nodata);
+  SampleFormat(const Header &header, Output output, std::optional<double> nodata, Isa isa);
 
   bool is_mapped() const { return is_mapped_; }
   bool is_dithered(SampleType source) const { return is_mapped_ && type == SampleType::u8 && source != type; }
@@ -51,6 +52,7 @@ class SampleFormat {
   const SampleType type;
   const int channels, alpha;
   const double blank;  // of a pixel outside the picture
+  const Isa isa;
 
  private:
   template <class T>

@@ -103,7 +103,7 @@ void Stream::prepare(const PictureView &view, bool exact) {
 void Stream::draw(const PictureView &view, int64_t top, int64_t rows, Output output, const DrawOptions &options,
                   void *out, int64_t stride) {
   const Lock lock(parts_->turn);
-  const SampleFormat format(header(), output, parts_->nodata);
+  const SampleFormat format(header(), output, parts_->nodata, parts_->settings.isa);
   const PixelBlock block{out, view.columns, rows, stride / format.sample_bytes()};
   const InnerView inner = inner_view(view, header().width, header().height);
   if (inner.view.columns == view.columns && inner.view.rows == view.rows)
@@ -123,14 +123,15 @@ void Stream::draw_inside(const PictureView &view, int64_t top, const PixelBlock 
       const Lock lock(shown.parts_->turn);
       return shown.draw_inside(*small, top, block, output, options);
     }
-  const SampleFormat format(header(), output, parts_->nodata);
+  const SampleFormat format(header(), output, parts_->nodata, parts_->settings.isa);
   const Drawing drawing{format, options.dither && format.is_dithered(header().sample_type), parts_->settings.threads,
                         parts_->settings.between};
   ExactBlocks *blocks = options.lossy ? nullptr : exact_blocks();
   const bool is_whole = view.is_plain() && output == own_output(header());
   if (!blocks || !(is_whole || blocks->has_views()))
     return draw_view(header(), parts_->tiles, view, top, block, drawing);
-  const SampleFormat source(header(), own_output(header()), nodata_of(header()));  // whatever `set_blank` says
+  const SampleFormat source(header(), own_output(header()), nodata_of(header()),
+                            format.isa);  // whatever `set_blank` says
   const Drawing plain{source, false, drawing.threads, drawing.between};
   const auto draw = [&](const ExactBlocks::Place &at, const PixelBlock &out) {
     const PictureView whole{double(at.x), double(at.y), 1, 1, at.width, at.height};
@@ -170,7 +171,8 @@ void Stream::check_exact() {
   if (!exact_blocks()) return;
   constexpr int64_t kSamples = int64_t(1) << 24;  // at a time, or a block
   const Output own = own_output(header());
-  const int64_t pixel = header().spec.channels * SampleFormat(header(), own, std::nullopt).sample_bytes();
+  const int64_t pixel =
+      header().spec.channels * SampleFormat(header(), own, std::nullopt, parts_->settings.isa).sample_bytes();
   const int64_t blocks = std::max<int64_t>(1, kSamples / (kResidualBlock * kResidualBlock * header().spec.channels));
   const int64_t side = std::min(header().width, blocks * kResidualBlock);
   std::vector<uint8_t> samples(size_t(side * kResidualBlock * pixel));

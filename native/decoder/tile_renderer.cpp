@@ -163,7 +163,7 @@ const TileRenderer::Whole *TileRenderer::whole(const PictureView &view, int thre
   const int64_t samples = columns * rows * header_.spec.channels;
   if (columns <= 0 || rows <= 0 || samples > kWholeSamples) return nullptr;
   Whole drawn{view, left, top, columns, rows, std::vector<float>(samples)};
-  const SampleFormat values(header_, Output::values, std::nullopt);
+  const SampleFormat values(header_, Output::values, std::nullopt, settings_.isa);
   draw_blocks(view, left, top, {drawn.samples.data(), columns, rows, columns * header_.spec.channels}, values, threads);
   return &whole_.emplace(std::move(drawn));
 }
@@ -198,21 +198,22 @@ void TileRenderer::draw_blocks(const PictureView &view, int64_t x, int64_t y, co
 void TileRenderer::draw_restored(Restored &tools, const PictureView &view, int64_t x, int64_t y,
                                  const PixelBlock &block, const SampleFormat &format, int threads) const {
   const int64_t channels = header_.spec.channels;
-  const SampleFormat values(header_, Output::values, std::nullopt);
+  const SampleFormat values(header_, Output::values, std::nullopt, settings_.isa);
   const OutputAxis columns = across(view, x, block.columns), rows = down(view, y, block.rows);
   const TileBlock needed = restoration_->needed(columns, rows);
   const PictureView own{double(place_.x), double(place_.y), 1, 1, place_.width, place_.height};
   float *drawn = tools.drawn.room(needed.columns * needed.rows * channels);
-  float *restored = tools.values.room(block.columns * block.rows * channels);
   draw_block(tools.own, own, needed.left, needed.top, {drawn, needed.columns, needed.rows, needed.columns * channels},
              values, threads);
-  if (view.is_plain())
-    for (int64_t row = 0; row < block.rows; ++row)
-      std::copy_n(&drawn[((rows.first - needed.top + row) * needed.columns + columns.first - needed.left) * channels],
-                  block.columns * channels, &restored[row * block.columns * channels]);
-  else
-    draw_block(tools.shown, view, x, y, {restored, block.columns, block.rows, block.columns * channels}, values,
-               threads);
+  if (view.is_plain()) {
+    const TileBlock wanted{columns.first, rows.first, block.columns, block.rows};
+    const auto store = [&](int64_t left, int64_t top, int64_t count, const float *restored) {
+      format.store(restored, format.part(block, left - wanted.left, top - wanted.top, count, 1), 1);
+    };
+    return restoration_->restore(interleaved<const float>(drawn, needed, channels), wanted, threads, store);
+  }
+  float *restored = tools.values.room(block.columns * block.rows * channels);
+  draw_block(tools.shown, view, x, y, {restored, block.columns, block.rows, block.columns * channels}, values, threads);
   restoration_->add(drawn, columns, rows, threads, restored);
   format.store(restored, block, threads);
 }

@@ -95,8 +95,6 @@ TileBlock Restoration::needed(const OutputAxis &x, const OutputAxis &y) const {
 void Restoration::add(const float *drawn, const OutputAxis &x, const OutputAxis &y, int threads, float *values) const {
   const TileBlock seen = shown(x, y);
   const TilePixels<const float> from = interleaved(drawn, needed(x, y), channels_);
-  if (x.is_plain() && y.is_plain() && seen.columns == x.count && seen.rows == y.count)
-    return correct(from, threads, interleaved(values, seen, channels_));
   std::vector<float> correction(size_t(seen.columns) * seen.rows * channels_, 0.0f);
   correct(from, threads, interleaved(correction.data(), seen, channels_));
   const std::vector<Cubic> across = cubics(x, seen.left, seen.columns), down = cubics(y, seen.top, seen.rows);
@@ -117,18 +115,38 @@ void Restoration::add(const float *drawn, const OutputAxis &x, const OutputAxis 
 int64_t Restoration::strip_columns() const { return kRestorationColumns - 2 * (network_->reach() - 1); }
 
 void Restoration::correct(const TilePixels<const float> &drawn, int threads, const TilePixels<float> &values) const {
-  const TileBlock &block = values.block;
   const RestorationMix mix{out_.data(), mixed_, values.pixel, values.channel};
+  run_strips(drawn, values.block, threads, [&](const TileBlock &strip, const int32_t *sums) {
+    for (int64_t row = 0; row < strip.rows; ++row)
+      kernel_for<RestorationKernel>(isa_).add(sums + row * kRestorationStride, strip.rows * kRestorationStride,
+                                              strip.columns, mix, values.at(strip.left, strip.top + row));
+  });
+}
+
+void Restoration::restore(const TilePixels<const float> &drawn, const TileBlock &block, int threads,
+                          const RowSink &sink) const {
+  const RestorationMix mix{out_.data(), mixed_, channels_, 1};
+  run_strips(drawn, block, threads, [&](const TileBlock &strip, const int32_t *sums) {
+    std::vector<float> values(size_t(strip.columns * channels_));
+    for (int64_t row = 0; row < strip.rows; ++row) {
+      std::copy_n(drawn.at(strip.left, strip.top + row), values.size(), values.data());
+      kernel_for<RestorationKernel>(isa_).add(sums + row * kRestorationStride, strip.rows * kRestorationStride,
+                                              strip.columns, mix, values.data());
+      sink(strip.left, strip.top + row, strip.columns, values.data());
+    }
+  });
+}
+
+// Hands out the sums of the last layer for strips of a block, `kRestorationStride` from one row to the next.
+void Restoration::run_strips(const TilePixels<const float> &drawn, const TileBlock &block, int threads,
+                             const StripSink &sink) const {
   const int64_t columns = strip_columns();
   const int64_t across = (block.columns + columns - 1) / columns, down = (block.rows + kStripRows - 1) / kStripRows;
   parallel_for(across * down, threads, [&](int64_t i) {
     const int64_t left = i % across * columns, top = i / across * kStripRows;
     const TileBlock strip{block.left + left, block.top + top, std::min(columns, block.columns - left),
                           std::min(kStripRows, block.rows - top)};
-    const int32_t *sums = run(drawn, strip);
-    for (int64_t row = 0; row < strip.rows; ++row)
-      kernel_for<RestorationKernel>(isa_).add(sums + row * kRestorationStride, strip.rows * kRestorationStride,
-                                              strip.columns, mix, values.at(strip.left, strip.top + row));
+    sink(strip, run(drawn, strip));
   });
 }
 

@@ -1,6 +1,7 @@
 // Restoration of drawn pixels by a network (docs/format.md, "Restoration").
 #pragma once
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -36,6 +37,9 @@ TilePixels<T> in_planes(T *first, const TileBlock &block) {
   return {first, block, 1, block.columns, block.columns * block.rows};
 }
 
+// Takes values [columns, C] of pixels side by side, from the one at (x, y) of the tile on.
+using RowSink = std::function<void(int64_t x, int64_t y, int64_t columns, const float *values)>;
+
 // What a tile states.
 struct RestorationChoice {
   int network = 0;  // number of a shipped one; 0: none
@@ -51,15 +55,22 @@ class Restoration {
 
   // What must be drawn of the tile for what these axes show of it, at scales of 1 and above.
   TileBlock needed(const OutputAxis &x, const OutputAxis &y) const;
+  // The same values for any block that is asked for, number of threads and instruction set:
   // Adds the correction to values [y.count, x.count, C] of what the axes show. drawn: the needed block, [rows, columns,
-  // C]. The same values for any block that is asked for, number of threads and instruction set.
+  // C].
   void add(const float *drawn, const OutputAxis &x, const OutputAxis &y, int threads, float *values) const;
   // Adds the correction of a block of the tile's own pixels to it. drawn: the block and what is around it.
   void correct(const TilePixels<const float> &drawn, int threads, const TilePixels<float> &values) const;
+  // Hands out a block of the tile's own pixels, restored, row by row of strips of it, on several threads. drawn: the
+  // block and what is around it [rows, columns, C].
+  void restore(const TilePixels<const float> &drawn, const TileBlock &block, int threads, const RowSink &sink) const;
 
  private:
   TileBlock shown(const OutputAxis &x, const OutputAxis &y) const;
   int64_t strip_columns() const;
+  using StripSink = std::function<void(const TileBlock &strip, const int32_t *sums)>;
+  void run_strips(const TilePixels<const float> &drawn, const TileBlock &block, int threads,
+                  const StripSink &sink) const;
   const int32_t *run(const TilePixels<const float> &drawn, const TileBlock &strip) const;
   void read_inputs(const TilePixels<const float> &drawn, const TileBlock &strip, int64_t rows, int32_t *inputs) const;
 

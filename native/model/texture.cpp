@@ -89,12 +89,17 @@ void draw_texture(const Texture &texture, const OutputAxis &x, const OutputAxis 
                *downward.cells(texture.corner[2 * *cell + 1], log_size), x0, x1, y0, y1, kernel, drawn.data());
     }
     constexpr int64_t kPlane = kBlockHeight * kBlockStride;
-    if (mix && bins.first(block) != bins.last(block))
-      kernel.mix(mix, kPlane, drawn.data(), drawn.data() + kPlane, drawn.data() + 2 * kPlane);
-    for (int c = 0; c < channels; ++c)
-      for (int64_t row = y0; row < y1; ++row)
-        std::memcpy(planes + (c * y.count + row) * x.count + x0, drawn.data() + c * kPlane + (row - y0) * kBlockStride,
-                    (x1 - x0) * sizeof(float));
+    const bool is_mixed = mix && bins.first(block) != bins.last(block);
+    const auto of_planes = [&](int c, int64_t row) { return planes + (c * y.count + row) * x.count + x0; };
+    for (int64_t row = y0; row < y1; ++row) {
+      const float *from = drawn.data() + (row - y0) * kBlockStride;
+      if (is_mixed) {
+        float *const out[] = {of_planes(0, row), of_planes(1, row), of_planes(2, row)};
+        kernel.mix(mix, from, kPlane, x1 - x0, out);
+      }
+      for (int c = is_mixed ? 3 : 0; c < channels; ++c)
+        std::memcpy(of_planes(c, row), from + c * kPlane, (x1 - x0) * sizeof(float));
+    }
   });
 }
 

@@ -19,8 +19,9 @@ struct TexturePart {
 struct TextureKernel {
   // out [rows, columns], `stride` apart, += down * amplitudes * across; up to 15 columns behind the last change too.
   void (*add)(const TexturePart &part, float *out, int64_t stride);
-  // Three planes of n values, n a multiple of 16: each is the sum over r of mix[r][c] * plane r.
-  void (*mix)(const float *mix, int64_t n, float *first, float *second, float *third);
+  // Of n values of three planes, `plane` apart: value i of out[c] is the sum over r of mix[r][c] * plane r. Up to 15
+  // more values of planes may be read.
+  void (*mix)(const float *mix, const float *planes, int64_t plane, int64_t n, float *const out[3]);
   static const TextureKernel portable, avx2, avx512;
 };
 

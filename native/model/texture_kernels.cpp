@@ -57,12 +57,15 @@ void add(const TexturePart &part, float *out, int64_t stride) {
   }
 }
 
-void mix(const float *m, int64_t n, float *first, float *second, float *third) {
+inline void store_part(float *to, int64_t count, vf values) {
+  if (count >= LANES) return store(to, values);
+  __builtin_memcpy(to, &values, size_t(count) * sizeof *to);
+}
+
+void mix(const float *m, const float *planes, int64_t plane, int64_t n, float *const out[3]) {
   for (int64_t i = 0; i < n; i += LANES) {
-    const vf a = load(first + i), b = load(second + i), c = load(third + i);
-    store(first + i, m[0] * a + m[3] * b + m[6] * c);
-    store(second + i, m[1] * a + m[4] * b + m[7] * c);
-    store(third + i, m[2] * a + m[5] * b + m[8] * c);
+    const vf a = load(planes + i), b = load(planes + plane + i), c = load(planes + 2 * plane + i);
+    for (int k = 0; k < 3; ++k) store_part(out[k] + i, n - i, m[k] * a + m[3 + k] * b + m[6 + k] * c);
   }
 }
 

@@ -30,10 +30,13 @@ struct Samples {
   bool clip;
 };
 
-// Finishes a tile. Every operation is rounded by itself, none fused, so that all instruction sets give the same.
+// Every operation is rounded by itself, none fused, so that all instruction sets give the same.
 struct FinishKernel {
+  // Of a tile.
   void (*finish)(const float *tile, int channels, const TileRect &rect, const Background &background,
                  const Samples &samples);
+  // Of values of pixels side by side, their channels in turn: stores samples from the first one on.
+  void (*store)(const float *values, int64_t pixels, int channels, const Samples &samples);
   static const FinishKernel portable, avx2, avx512;
 };
 

@@ -143,8 +143,57 @@ void finish(const float *tile, int channels, const TileRect &rect, const Backgro
   }
 }
 
+inline bool all_equal(const float *values, int count) {
+  for (int i = 1; i < count; ++i)
+    if (values[i] != values[0]) return false;
+  return true;
+}
+
+// Where all channels have one range.
+template <class T>
+void store_alike(const float *values, int64_t count, const Samples &s, T *to) {
+  const float low = s.low[0], span = s.span[0];
+  const auto sample = [&](vf row) { return s.clip ? mapped(row, low, span) : row; };
+  int64_t i = 0;
+  for (; i + LANES <= count; i += LANES) convert(sample(load(values + i)), to + i);
+  if (i == count) return;
+  vf row{};
+  T samples[LANES];
+  __builtin_memcpy(&row, values + i, (count - i) * sizeof *values);
+  convert(sample(row), samples);
+  __builtin_memcpy(to + i, samples, (count - i) * sizeof *samples);
+}
+
+template <class T>
+void store_apart(const float *values, int64_t pixels, int channels, const Samples &s, T *to) {
+  constexpr bool kIsFloat = T(0.5f) != 0;
+  constexpr float kMax = kIsFloat ? 0 : float(T(-1));
+  for (int64_t i = 0; i < pixels; ++i)
+    for (int c = 0; c < channels; ++c, ++values, ++to) {
+      const float sample = mapped(*values, s.low[c], s.span[c]);
+      *to = T(kIsFloat ? sample : rounded(sample, kMax));
+    }
+}
+
+template <class T>
+void store_as(const float *values, int64_t pixels, int channels, const Samples &s) {
+  T *to = static_cast<T *>(s.first);
+  if (!s.clip || (all_equal(s.low, channels) && all_equal(s.span, channels)))
+    store_alike(values, pixels * channels, s, to);
+  else
+    store_apart(values, pixels, channels, s, to);
+}
+
+void store(const float *values, int64_t pixels, int channels, const Samples &samples) {
+  switch (samples.type) {
+    case SampleType::u8: store_as<uint8_t>(values, pixels, channels, samples); break;
+    case SampleType::u16: store_as<uint16_t>(values, pixels, channels, samples); break;
+    case SampleType::f32: store_as<float>(values, pixels, channels, samples); break;
+  }
+}
+
 }  // namespace
 
-const FinishKernel FinishKernel::SGI_ISA{sgi::finish};
+const FinishKernel FinishKernel::SGI_ISA{sgi::finish, sgi::store};
 
 }  // namespace sgi

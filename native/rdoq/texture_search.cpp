@@ -108,7 +108,7 @@ class TextureSearch {
     for (int channel = 0; channel < field().channels; ++channel) {
       for (int row = 0; row < side; ++row)
         std::copy_n(field().at(channel, cell) + row * field().width, side, &values[row * side]);
-      const int last = last_diagonal(values.data(), cell.log);
+      const int last = last_diagonal(values.data(), cell.side(), cell.log);
       coding_.block(cell, channel, last, values);
       if (last >= 0) account(cell, channel, values, last);
     }
