@@ -253,9 +253,13 @@ def convert(picture: Picture, depth: int) -> Picture:
 def _affine(
     channels: str, count: int, dtype: np.dtype[Any], sample_range: SampleRange
 ) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.float32]]:
-    """Per channel [C]: the sample that stands for 0, and the distance to the one that stands for 1."""
+    """Of each channel [C], or of all [1] where they are alike, which numpy computes faster with: the sample that stands
+    for 0, and the distance to the one that stands for 1.
+    """
     low, high = np.empty(count, np.float64), np.empty(count, np.float64)
     low[: alpha_index(channels)], high[: alpha_index(channels)] = sample_range
     if (alpha := alpha_index(channels)) is not None:
         low[alpha], high[alpha] = full_range(dtype)
+    if (low == low[0]).all() and (high == high[0]).all():
+        low, high = low[:1], high[:1]
     return low.astype(np.float32), (high - low).astype(np.float32)

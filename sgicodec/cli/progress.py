@@ -66,8 +66,8 @@ def tile_text(state: PassState) -> str:
     parts = [f"{state.done} of {state.tiles} {state.name}"]
     if state.fresh:
         parts.append(f"{60e-6 * state.pixels_per_second:.2f} MP/min")
-    if state.samples:
-        parts.append(f"{state.bpp:.3f} bpp  {state.psnr:.2f} dB")
+    if state.bytes:
+        parts.append(f"{state.bpp:.3f} bpp")
     return "  ".join(parts)
 
 

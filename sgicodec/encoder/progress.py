@@ -11,7 +11,6 @@ from sgicodec.encoder.plan import Plan
 from sgicodec.encoder.tile.state import TileListener
 from sgicodec.encoder.tile.writing import EncodedTile
 from sgicodec.executors.executor import Memory
-from sgicodec.metrics.distortion import decibels
 
 __all__ = ["NullListener", "PassReporter", "PassState"]
 
@@ -29,8 +28,6 @@ class PassState:
     pixels: int = 0
     fresh: int = 0
     bytes: int = 0
-    squared_error: float = 0.0
-    samples: int = 0
     started: float = field(default_factory=time.monotonic)
 
     def add(self, tile: EncodedTile | None, pixels: int, fresh: bool) -> None:
@@ -38,16 +35,7 @@ class PassState:
         self.done += 1
         self.pixels += pixels
         self.fresh += pixels if fresh else 0
-        if tile is None:
-            return
-        self.bytes += tile.length
-        self.squared_error += tile.squared_error
-        self.samples += tile.samples
-
-    @property
-    def psnr(self) -> float:
-        """dB over the tiles so far."""
-        return decibels(self.squared_error, self.samples)
+        self.bytes += tile.length if tile else 0
 
     @property
     def bpp(self) -> float:

@@ -20,13 +20,14 @@ from sgicodec.encoder.input.nodata import empty_pixels
 from sgicodec.encoder.input.windows import Windows
 from sgicodec.encoder.plan import Plan
 from sgicodec.model.steps import quality_index
-from sgicodec.picture import Picture, exact_samples, nodata_samples
+from sgicodec.picture import Picture, exact_samples, nodata_samples, to_unit
 
 __all__ = ["CalibratedSteps", "log_gradients", "quality_offset", "with_quality_calibration"]
 
+F32 = NDArray[np.float32]
 F64 = NDArray[np.float64]
 
-_PLANES = {"luma": np.array([0.25, 0.625, 0.125]), "green": np.array([-0.5, 1.0, -0.5])}
+_PLANES = {"luma": np.array([0.25, 0.625, 0.125], np.float32), "green": np.array([-0.5, 1.0, -0.5], np.float32)}
 _FEATURES = (("luma", 0, 5.7, -5.56), ("luma", 2, -5.2, -5.09), ("green", 2, 2.2, -7.56), ("green", 4, -1.5, -7.37))
 """Plane, octave, steps of quality for a unit of the mean log gradient, and what that is in the mean of pictures."""
 _MAX_OFFSET = 10.0
@@ -67,17 +68,16 @@ def log_gradients(picture: Picture, masked: Masked | None) -> F64:
     """Logs of the mean squared gradients that _FEATURES name in each block of a picture [n, 4], those left out that
     have pixels without content, in them or beside them. Pictures narrower than a block have none.
     """
-    low, high = (np.asarray(level, np.float64) for level in picture.sample_range)
-    with np.errstate(invalid="ignore"):
-        colours = np.clip((picture.pixels[..., :3].astype(np.float64) - low) / (high - low), 0.0, 1.0)
-        colours = np.rint(255 * colours) / 255 if picture.eight_bits else colours
+    colours = to_unit(picture)[..., :3]
     planes = {name: colours @ weights for name, weights in _PLANES.items()}
     means = [_block_means(_squared_gradient(_reduced(planes[name], octave)), octave) for name, octave, *_ in _FEATURES]
     if masked == "transparent":
         unseen = empty_pixels(picture, masked)
+    elif picture.nodata is None and not picture.exact:
+        unseen = np.zeros(picture.pixels.shape[:2], np.bool_)
     else:
         unseen = np.asarray((nodata_samples(picture) | exact_samples(picture)).any(axis=-1))
-    empty = _block_means(unseen.astype(np.float64), 0) > 0
+    empty = _block_means(unseen.astype(np.float32), 0) > 0
     beside = empty.copy()  # gradients reach into the next block
     beside[:, :-1] |= empty[:, 1:]
     beside[:-1] |= empty[1:]
@@ -85,14 +85,14 @@ def log_gradients(picture: Picture, masked: Masked | None) -> F64:
     return logs
 
 
-def _reduced(plane: F64, octaves: int) -> F64:
+def _reduced(plane: F32, octaves: int) -> F32:
     for _ in range(octaves):
         plane = plane[: len(plane) // 2 * 2, : plane.shape[1] // 2 * 2]
-        plane = (plane[::2, ::2] + plane[1::2, ::2] + plane[::2, 1::2] + plane[1::2, 1::2]) / 4
+        plane = np.float32(0.25) * (plane[::2, ::2] + plane[1::2, ::2] + plane[::2, 1::2] + plane[1::2, 1::2])
     return plane
 
 
-def _squared_gradient(plane: F64) -> F64:
+def _squared_gradient(plane: F32) -> F32:
     """Of the differences to the next pixel in both directions, none behind the last one."""
     squares = np.zeros_like(plane)
     squares[:, :-1] += np.diff(plane, axis=1) ** 2
@@ -100,12 +100,12 @@ def _squared_gradient(plane: F64) -> F64:
     return squares
 
 
-def _block_means(plane: F64, octave: int) -> F64:
+def _block_means(plane: F32, octave: int) -> F64:
     """Means of the blocks that lie wholly in a plane reduced by so many octaves [rows, columns]."""
     side = _BLOCK >> octave
     rows, columns = len(plane) // side, plane.shape[1] // side
     blocks = plane[: rows * side, : columns * side].reshape(rows, side, columns, side)
-    means: F64 = blocks.mean(axis=(1, 3))
+    means: F64 = blocks.mean(axis=(1, 3), dtype=np.float64)
     return means
 
 

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from sgicodec.picture import Picture, to_unit
+from sgicodec.picture import Picture, comparable, full_range
 
 __all__ = ["decibels", "squared_error"]
 
@@ -17,11 +17,11 @@ def squared_error(original: Picture, decoded: Picture) -> float:
     for row in range(0, original.height, _ROWS):
         rows = slice(row, row + _ROWS)
         parts = (Picture(p.pixels[rows], p.channels, original.sample_range) for p in (original, decoded))
-        ours, theirs = (to_unit(part) for part in parts)
-        difference = ours.astype(np.float64) - theirs
+        ours, theirs = (comparable(part) for part in parts)
+        difference = np.subtract(ours, theirs, dtype=np.float64)
         if original.alpha is not None:
             difference[ours[..., original.alpha] == 0, : original.alpha] = 0
-        error += float((difference**2).sum())
+        error += float(np.vdot(difference, difference)) / full_range(ours.dtype)[1] ** 2
     return error
 
 

@@ -27,7 +27,7 @@ __all__ = ["EncodedTile", "measured", "network_weights", "stream_of", "write", "
 
 @dataclass(frozen=True)
 class EncodedTile:
-    """A finished tile. Without what is measured (NaN) where it is the only one of its stream."""
+    """A finished tile."""
 
     payload: bytes
     """Of its chunk."""
@@ -35,9 +35,7 @@ class EncodedTile:
     """What each part of it costs."""
     seeds: int
     squared_error: float
-    """Of what is decoded, in the tile's core, samples in 0..1."""
-    samples: int
-    """How many samples the core has, 0 where they are not measured."""
+    """Of what is decoded, in the tile's core, samples in 0..1; not-a-number where nobody asks for it."""
     seconds: float
     """That it took, 0 before it is known."""
     length: int
@@ -56,8 +54,8 @@ class EncodedTile:
     """How the only tile misses the target."""
 
 
-def write(state: TileState) -> EncodedTile:
-    """The tile as its stream has it."""
+def write(state: TileState, measures: bool = False) -> EncodedTile:
+    """The tile as its stream has it; measures: with its squared error, for one of several."""
     tile, header, model = state.tile, state.header, state.model
     if tile.is_only:  # a header says no more than there is
         spec = header.spec
@@ -67,32 +65,32 @@ def write(state: TileState) -> EncodedTile:
         header = replace(header, spec=replace(spec, texture=texture, restoration=restoration), network=network)
     coded, writer = write_tile(header, model)
     parts = {name: bits / 8 for name, bits in writer.bits.items()}
-    return _encoded(tile, header, coded, parts, len(model.layout), state.lmbda)
+    return _encoded(tile, header, coded, parts, len(model.layout), state.lmbda, measures)
 
 
-def write_nothing(tile: Tile) -> EncodedTile:
-    """A tile that holds nothing."""
-    return _encoded(tile, tile.header, None, {}, 0, tile.fit.lmbda)
+def write_nothing(tile: Tile, measures: bool = False) -> EncodedTile:
+    """A tile that holds nothing; measures: as in `write`."""
+    return _encoded(tile, tile.header, None, {}, 0, tile.fit.lmbda, measures)
 
 
 def _encoded(
-    tile: Tile, header: Header, coded: bytes | None, parts: dict[str, float], seeds: int, lmbda: float
+    tile: Tile, header: Header, coded: bytes | None, parts: dict[str, float], seeds: int, lmbda: float, measures: bool
 ) -> EncodedTile:
-    """The tile with this model, None for nothing. One of several is measured on its own: where it fades into its
-    neighbours, they make the error smaller.
-    """
+    """The tile with this model, None for nothing."""
     stream_header = header if tile.is_only else tile.plan.header
     payload = _chunk(tile, stream_header, tile.number, coded)
     if stream_header.masked is not None or stream_header.has_exact:
         parts["mask"] = len(payload) - len(coded or b"")
-    known, size = (payload, parts, seeds), len(payload)
-    if tile.is_only:
-        return EncodedTile(*known, math.nan, 0, 0.0, size, lmbda, header=header)
+    error = _squared_error(tile, coded) if measures else math.nan
+    stated = header if tile.is_only else None
+    return EncodedTile(payload, parts, seeds, error, 0.0, len(payload), lmbda, header=stated)
+
+
+def _squared_error(tile: Tile, coded: bytes | None) -> float:
+    """Of a tile on its own: where it fades into its neighbours, they make it smaller."""
     shown = _decoded(_stream(tile, tile.header, _chunk(tile, tile.header, 0, coded)), tile)
     core = _core(tile)
-    ours, theirs = (replace(picture, pixels=picture.pixels[core]) for picture in (tile.picture, shown))
-    error = squared_error(ours, theirs)
-    return EncodedTile(*known, error, ours.pixels.size, 0.0, size, lmbda)
+    return squared_error(*(replace(picture, pixels=picture.pixels[core]) for picture in (tile.picture, shown)))
 
 
 def measured(encoded: EncodedTile, tile: Tile, target: RateTarget) -> Measured:

@@ -127,7 +127,7 @@ class TilePasses:
         some = spread_over(self.rd_model.predict(lmbda), min(MAX_SAMPLE_TILES, max(2, len(self.all) // 4)))
         for _ in range(MAX_SAMPLES):
             plan, sample = self.plan.at(lmbda, quality_index(lmbda)), self._new_pass()
-            self._pass("sample", sample, FitTask(plan), some)
+            self._pass("sample", sample, self._fit_at(plan), some)
             wanted, at = self._learned(target, [Version(number, sample) for number in some], lmbda), lmbda
             if not is_far(wanted, lmbda):
                 at = wanted
@@ -135,8 +135,12 @@ class TilePasses:
             lmbda = wanted
         rest, others = [number for number in self.all if number not in some], self._new_pass()
         if rest:
-            self._pass("tiles", others, FitTask(plan.at(at, plan.header.quality)), rest)
+            self._pass("tiles", others, self._fit_at(plan.at(at, plan.header.quality)), rest)
         return plan, [Version(number, sample if number in some else others) for number in self.all], at
+
+    def _fit_at(self, plan: Plan) -> FitTask:
+        """What fits tiles at the plan's λ, and measures what the R-D model learns from."""
+        return FitTask(plan, measures=self.target is not None and self.target.bytes is None)
 
     def _learned(self, target: RateTarget, chosen: list[Version], lmbda: float) -> float:
         """The λ that the target wants, by what these tiles have at this one."""

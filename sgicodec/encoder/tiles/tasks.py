@@ -58,18 +58,19 @@ class LookaheadTask:
 @dataclass(frozen=True)
 class FitTask:
     """Fits a tile at the plan's λ, or the only one towards the plan's target. listener: who is told, in this process;
-    without one, the work ends where nobody waits for it any more.
+    without one, the work ends where nobody waits for it any more. measures: with its squared error.
     """
 
     plan: Plan
     listener: TileListener | None = None
+    measures: bool = False
 
     def __call__(self, number: int, window: Picture, start: bytes, device: Device) -> EncodedTile:
         """Fits the pixels that the tile covers, apron included."""
         began, listener = time.monotonic(), self.listener or _Waiting()
         listener.stage("prepare")
         tile = tile_of(window, self.plan, device, number, listener=listener)
-        encoded, missed = _fitted(tile)
+        encoded, missed = _fitted(tile, self.measures)
         watch = tile.watch
         return replace(
             encoded,
@@ -81,12 +82,12 @@ class FitTask:
         )
 
 
-def _fitted(tile: Tile) -> tuple[EncodedTile, str | None]:
+def _fitted(tile: Tile, measures: bool) -> tuple[EncodedTile, str | None]:
     """A tile after all stages, and how it misses what was asked for, if it does."""
     if tile.holds_nothing:
-        return write_nothing(tile), None
+        return write_nothing(tile, measures), None
     target = tile.settings.rate_target(tile.picture.width * tile.picture.height)
-    return (write(encode(tile)), None) if target is None else write_at_target(tile, target)
+    return (write(encode(tile), measures), None) if target is None else write_at_target(tile, target)
 
 
 class _Waiting(TileListener):
