@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "base/thread_pool.hpp"
 #include "bitstream/texture_stream.hpp"
@@ -12,19 +13,37 @@ namespace sgi {
 namespace {
 
 constexpr int64_t kRoot = 1 << kTextureRoot;
+constexpr int kLanes = 1 << kTextureLeast;  // of a row of a cell, side by side
 
-// body(at, steps) for the rows of all roots in [height, width] amplitudes: the first of kRoot, and the step of each.
+using CellRow = std::array<float, kRoot>;
+
+// body(at, steps) for the rows of cells of a size in [height, width] amplitudes: the first of side, and the step of
+// each. log_size: as of `analyse_texture`.
 template <class Body>
-void each_row(int64_t width, int64_t height, int log, const float *growth, const float *root_steps, Body body) {
+void each_cell_row(int64_t width, int64_t height, int log, const uint8_t *log_size, const float *growth,
+                   const float *root_steps, Body body) {
   const int side = 1 << log;
-  std::array<float, kRoot> steps;
-  for (int64_t y = 0; y < height; ++y) {
-    const float *row_growth = growth + ((y & (side - 1)) << log), *root = root_steps + y / kRoot * (width / kRoot);
-    for (int64_t x = 0; x < width; x += kRoot) {
-      for (int64_t u = 0; u < kRoot; ++u) steps[u] = root[x / kRoot] * row_growth[u & (side - 1)];
-      body(y * width + x, steps.data());
+  CellRow steps;
+  for (int64_t y = 0; y < height; y += side)
+    for (int64_t x = 0; x < width; x += side) {
+      if (!is_of_size(log_size, width, x, y, log)) continue;
+      const float root = root_steps[y / kRoot * (width / kRoot) + x / kRoot];
+      for (int64_t v = 0; v < side; ++v) {
+        for (int u = 0; u < side; ++u) steps[size_t(u)] = root * growth[(v << log) + u];
+        body((y + v) * width + x, steps);
+      }
     }
-  }
+}
+
+// Multiplies gains by steps; their magnitudes, summed.
+float weigh(float *gain, const CellRow &steps, int side) {
+  std::array<float, kLanes> sums{};
+  for (int u = 0; u < side; u += kLanes)
+    for (int i = 0; i < kLanes; ++i) {
+      gain[u + i] *= steps[size_t(u + i)];
+      sums[size_t(i)] += std::abs(gain[u + i]);
+    }
+  return std::accumulate(sums.begin(), sums.end(), 0.0f);
 }
 
 }  // namespace
@@ -66,10 +85,9 @@ void TextureAmplitudes::move(const float *gradient, const int8_t *contrast, cons
     parallel_for(channels, threads, [&](int64_t channel) {
       float *gain = &gains[channel * plane];
       analyse_texture(gradient + channel * plane, width, height, log, gain, log_size);
-      each_row(width, height, log, steps.growth(int(channel), log), &root_steps[channel * roots],
-               [&](int64_t at, const float *step) {
-                 for (int64_t i = 0; i < kRoot; ++i) sums[channel] += std::abs(gain[at + i] *= step[i]);
-               });
+      each_cell_row(
+          width, height, log, log_size, steps.growth(int(channel), log), &root_steps[channel * roots],
+          [&](int64_t at, const CellRow &step) { sums[size_t(channel)] += double(weigh(gain + at, step, 1 << log)); });
     });
     double sum = 0;
     for (const double one : sums) sum += one;
@@ -79,13 +97,13 @@ void TextureAmplitudes::move(const float *gradient, const int8_t *contrast, cons
     parallel_for(channels, threads, [&](int64_t channel) {
       const float *gain = &gains[channel * plane];
       float *amplitude = &sizes_[size][channel * plane];
-      each_row(width, height, log, steps.growth(int(channel), log), &root_steps[channel * roots],
-               [&](int64_t at, const float *step) {
-                 for (int64_t i = at; i < at + kRoot; ++i) {
-                   const float most_of_it = std::min(step[i - at], std::abs(amplitude[i]));
-                   amplitude[i] += most_of_it * std::clamp(float(unit) * gain[i], -most, most);
-                 }
-               });
+      each_cell_row(width, height, log, log_size, steps.growth(int(channel), log), &root_steps[channel * roots],
+                    [&](int64_t at, const CellRow &step) {
+                      for (int u = 0; u < 1 << log; ++u) {
+                        const float most_of_it = std::min(step[size_t(u)], std::abs(amplitude[at + u]));
+                        amplitude[at + u] += most_of_it * std::clamp(float(unit) * gain[at + u], -most, most);
+                      }
+                    });
     });
   }
 }

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "base/isa.hpp"
-#include "bitstream/texture_field.hpp"
 #include "model/constants.hpp"
 #include "model/texture_axis.hpp"
 #include "rdoq/texture_transform_kernel.hpp"
@@ -68,10 +67,7 @@ void analyse_texture(const float *plane, int64_t width, int64_t height, int log,
   for (int64_t y = 0; y < height; y += side)
     for (int64_t x = 0; x < width; x += side) {
       float *out = amplitudes + y * width + x;
-      if (log_size && log_size[y / kUnit * (width / kUnit) + x / kUnit] != log) {
-        for (int j = 0; j < side; ++j) std::fill_n(out + j * width, side, 0.0f);
-        continue;
-      }
+      if (!is_of_size(log_size, width, x, y, log)) continue;
       copy_around(plane, width, height, x - kOverlap, y - kOverlap, reach, pixels.data());
       kernel.transform(pixels.data(), side, all.of(x, width), all.of(y, height), out, width);
     }

@@ -2,11 +2,18 @@
 #pragma once
 #include <cstdint>
 
+#include "bitstream/texture_field.hpp"
+
 namespace sgi {
+
+// Whether a cell of a size begins at pixel (x, y) in a layer. log_size: as in TextureField, null for all cells.
+inline bool is_of_size(const uint8_t *log_size, int64_t width, int64_t x, int64_t y, int log) {
+  return !log_size || log_size[y / kUnit * (width / kUnit) + x / kUnit] == log;
+}
 
 // plane [height, width], multiples of 32, to amplitudes [height, width]: those of a cell [n, n] where its pixels are.
 // log_size [height / 8, width / 8]: as in TextureField, of a layer whose cells alone are looked at; amplitudes
-// elsewhere are 0. Null for all cells.
+// elsewhere stay as they are. Null for all cells.
 void analyse_texture(const float *plane, int64_t width, int64_t height, int log, float *amplitudes,
                      const uint8_t *log_size = nullptr);
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 namespace sgi {
@@ -191,18 +192,32 @@ float extent_bits(const BitModels &models, const ExtentContext &context, int log
   return sum;
 }
 
+// The squared error of a block without symbols, and the last diagonal with an amplitude that is worth one, -1 for none.
+std::pair<float, int> outlook(const CellValues<float> &scaled, int side) {
+  constexpr int kLanes = 1 << kTextureLeast;
+  std::array<float, kLanes> sums{};
+  int last = -1;
+  for (int v = 0; v < side; ++v)
+    for (int u = 0; u < side; u += kLanes) {
+      const float *amplitudes = &scaled[size_t(v * side + u)];
+      float largest = 0;
+      for (int i = 0; i < kLanes; ++i) {
+        sums[size_t(i)] += amplitudes[i] * amplitudes[i];
+        largest = largest > amplitudes[i] ? largest : amplitudes[i];
+      }
+      if (largest <= kLastWorth) continue;
+      for (int i = 0; i < kLanes; ++i)
+        if (amplitudes[i] > kLastWorth) last = std::max(last, v + u + i);
+    }
+  return {std::accumulate(sums.begin(), sums.end(), 0.0f), last};
+}
+
 }  // namespace
 
 void choose_block(const BitModels &models, const TextureField &field, const TextureCell &cell, int channel,
                   float lambda, const CellValues<float> &scaled, Choice &choice) {
   const std::vector<Frequency> &scan = texture_scan(cell.log);
-  float beyond = 0;  // squared error of what has not been chosen yet
-  int most = -1;
-  for (const Frequency &frequency : scan) {
-    const float amplitude = scaled[frequency.index];
-    beyond += amplitude * amplitude;
-    if (amplitude > kLastWorth) most = frequency.diagonal();
-  }
+  auto [beyond, most] = outlook(scaled, cell.side());
   const ExtentContext extent(field, cell, channel);
   choice.values.fill(0);
   choice.last = -1, choice.cost = beyond + lambda * extent_bits(models, extent, cell.log, 0);
