@@ -17,9 +17,9 @@ class Device:
     draws what is decoded, as far as its kernels can (`cuda.choice.device_of` says which there are), None for the
     processor alone. Raises UsageError for an instruction set that this machine lacks.
 
-    Nothing of it changes what a stream's symbols are when it is decoded; pixels differ between instruction sets, and
-    from a GPU's, by less than a level of eight bits. A program makes one where it begins and hands it down to whatever
-    computes.
+    What a stream decodes to depends on nothing of it. What an encode makes of a picture does not depend on `threads`,
+    but may on `isa` and `gpu`, where sums are rounded in another order. A program makes one where it begins and hands it
+    down to whatever computes.
     """
 
     threads: int = 0
