@@ -23,8 +23,8 @@ struct PixelBlock {
 // than the source's the range is that of the type; nodata becomes the value next to it.
 class SampleFormat {
  public:
-  // nodata: what stands for nothing in the source, if anything does.
-  SampleFormat(const Header &header, Output output, std::optional<double> nodata, Isa isa);
+  // nodata: what stands for nothing in the source, if anything does; isa: of what stores values.
+  SampleFormat(const Header &header, Output output, std::optional<double> nodata, Isa isa = Isa::portable);
 
   bool is_mapped() const { return is_mapped_; }
   bool is_dithered(SampleType source) const { return is_mapped_ && type == SampleType::u8 && source != type; }

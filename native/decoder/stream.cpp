@@ -171,8 +171,7 @@ void Stream::check_exact() {
   if (!exact_blocks()) return;
   constexpr int64_t kSamples = int64_t(1) << 24;  // at a time, or a block
   const Output own = own_output(header());
-  const int64_t pixel =
-      header().spec.channels * SampleFormat(header(), own, std::nullopt, parts_->settings.isa).sample_bytes();
+  const int64_t pixel = header().spec.channels * SampleFormat(header(), own, std::nullopt).sample_bytes();
   const int64_t blocks = std::max<int64_t>(1, kSamples / (kResidualBlock * kResidualBlock * header().spec.channels));
   const int64_t side = std::min(header().width, blocks * kResidualBlock);
   std::vector<uint8_t> samples(size_t(side * kResidualBlock * pixel));
