@@ -18,8 +18,8 @@ class Device:
     processor alone. Raises UsageError for an instruction set that this machine lacks.
 
     What a stream decodes to depends on nothing of it. What an encode makes of a picture does not depend on `threads`,
-    but may on `isa` and `gpu`, where sums are rounded in another order. A program makes one where it begins and hands it
-    down to whatever computes.
+    but may on `isa` and `gpu`, where sums are rounded in another order. A program makes one where it begins and hands
+    it down to whatever computes.
     """
 
     threads: int = 0
