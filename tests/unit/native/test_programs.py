@@ -1,4 +1,4 @@
-"""Small programs of native code: loops of the thread pool, which Python does not see, and the functions of vectors."""
+"""Native code that Python does not see: loops of the thread pool, the functions of vectors, libsgi's interface."""
 
 from __future__ import annotations
 
@@ -13,11 +13,15 @@ from data_files import ROOT
 NATIVE = ROOT / "native"
 
 
+def compiled(*options: object) -> None:
+    """Runs the compiler; it must find nothing wrong."""
+    compiler = next(filter(shutil.which, [os.environ.get("CXX", "c++"), "g++", "clang++"]))
+    subprocess.run([compiler, f"-I{NATIVE}", *options], check=True)
+
+
 def said(folder: Path, name: str, *options: object) -> str:
     """What a program of this folder, which is compiled, says on stdout; nothing goes to stderr."""
-    compiler = next(filter(shutil.which, [os.environ.get("CXX", "c++"), "g++", "clang++"]))
-    source = Path(__file__).with_name(f"{name}.cpp")
-    subprocess.run([compiler, f"-I{NATIVE}", source, *options, "-o", folder / name], check=True)
+    compiled(Path(__file__).with_name(f"{name}.cpp"), *options, "-o", folder / name)
     ran = subprocess.run([folder / name], capture_output=True, text=True, timeout=HANGS)
     assert (ran.returncode, ran.stderr) == (0, "")
     return ran.stdout
@@ -40,3 +44,9 @@ def test_functions_of_vectors_are_defined_and_exact_enough(tmp_path: Path) -> No
     assert log_error < 1e-5
     assert root_error < 3e-7
     assert (least, most) == (0, 1)
+
+
+def test_the_interface_of_libsgi_suits_the_decoder() -> None:
+    """Slow tests alone build and call it; here it is only read by a compiler."""
+    named = [f"-I{ROOT / 'include'}", "-DSGI_BUILDING=1", '-DSGI_VERSION="0"']
+    compiled("-std=gnu++17", "-fsyntax-only", "-Wno-psabi", *named, *sorted((NATIVE / "capi").glob("*.cpp")))
