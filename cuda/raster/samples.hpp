@@ -24,8 +24,8 @@ inline float value_at(const SampleArguments &a, int channel, int row, int column
 
 inline void store_sample(const SampleArguments &a, int64_t at, float value) {
   switch (SampleType(a.type)) {
-    case SampleType::u8: static_cast<uint8_t *>(a.out)[at] = uint8_t(rounded(value, 255.0f)); break;
-    case SampleType::u16: static_cast<uint16_t *>(a.out)[at] = uint16_t(rounded(value, 65535.0f)); break;
+    case SampleType::u8: static_cast<uint8_t *>(a.out)[at] = stored<uint8_t>(value); break;
+    case SampleType::u16: static_cast<uint16_t *>(a.out)[at] = stored<uint16_t>(value); break;
     default: static_cast<float *>(a.out)[at] = value;
   }
 }

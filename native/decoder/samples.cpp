@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "base/thread_pool.hpp"
+#include "raster/sample_values.hpp"
 
 namespace sgi {
 namespace {
@@ -100,16 +101,6 @@ void as_type(SampleType type, Body body) {
   }
 }
 
-// To nearest, ties to even, of 0 to 2^22.
-float rounded(float value) { return (value + 12582912.0f) - 12582912.0f; }
-
-float clipped(float value) { return value > 0 ? std::min(value, 1.0f) : 0.0f; }  // not-a-number becomes 0
-
-template <class T>
-T stored(float sample) {
-  return std::is_floating_point_v<T> ? T(sample) : T(rounded(sample));
-}
-
 }  // namespace
 
 void SampleFormat::store(const float *values, const PixelBlock &block, int threads) const {
@@ -172,7 +163,7 @@ void SampleFormat::mark_nodata(const uint8_t *empty, const PixelBlock &row, int 
 
 void SampleFormat::state(double sample, int channel, const PixelBlock &block) const {
   const double span = source_to_[channel] - source_from_[channel];
-  const float value = low_[channel] + span_[channel] * clipped(float((sample - source_from_[channel]) / span));
+  const float value = mapped(float((sample - source_from_[channel]) / span), low_[channel], span_[channel]);
   as_type(type, [&](auto *kind) {
     using T = std::remove_pointer_t<decltype(kind)>;
     T exact = is_source_ ? T(sample) : stored<T>(value);

@@ -130,8 +130,8 @@ void Stream::draw_inside(const PictureView &view, int64_t top, const PixelBlock 
   const bool is_whole = view.is_plain() && output == own_output(header());
   if (!blocks || !(is_whole || blocks->has_views()))
     return draw_view(header(), parts_->tiles, view, top, block, drawing);
-  const SampleFormat source(header(), own_output(header()), nodata_of(header()),
-                            format.isa);  // whatever `set_blank` says
+  // nodata: whatever `set_blank` says
+  const SampleFormat source(header(), own_output(header()), nodata_of(header()), format.isa);
   const Drawing plain{source, false, drawing.threads, drawing.between};
   const auto draw = [&](const ExactBlocks::Place &at, const PixelBlock &out) {
     const PictureView whole{double(at.x), double(at.y), 1, 1, at.width, at.height};

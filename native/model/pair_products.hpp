@@ -7,6 +7,7 @@ namespace {
 namespace narrow {
 
 using vi = int32_t __attribute__((vector_size(LANES * 4)));
+using Wrapping = uint32_t __attribute__((vector_size(LANES * 4)));
 
 // Of each lane the product of the lower halves plus that of the upper halves.
 inline vi multiply_pairs(vi a, vi b) {
@@ -33,7 +34,6 @@ inline vi add_products(vi sum, vi a, vi b) {
     return sum;
   }
 #endif
-  using Wrapping = uint32_t __attribute__((vector_size(LANES * 4)));
   return (vi)((Wrapping)sum + (Wrapping)multiply_pairs(a, b));
 }
 

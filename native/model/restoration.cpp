@@ -118,8 +118,7 @@ void Restoration::correct(const TilePixels<const float> &drawn, int threads, con
   const RestorationMix mix{out_.data(), mixed_, values.pixel, values.channel};
   run_strips(drawn, values.block, threads, [&](const TileBlock &strip, const int32_t *sums) {
     for (int64_t row = 0; row < strip.rows; ++row)
-      kernel_for<RestorationKernel>(isa_).add(sums + row * kRestorationStride, strip.rows * kRestorationStride,
-                                              strip.columns, mix, values.at(strip.left, strip.top + row));
+      add_row(strip, row, sums, mix, values.at(strip.left, strip.top + row));
   });
 }
 
@@ -130,11 +129,17 @@ void Restoration::restore(const TilePixels<const float> &drawn, const TileBlock 
     std::vector<float> values(size_t(strip.columns * channels_));
     for (int64_t row = 0; row < strip.rows; ++row) {
       std::copy_n(drawn.at(strip.left, strip.top + row), values.size(), values.data());
-      kernel_for<RestorationKernel>(isa_).add(sums + row * kRestorationStride, strip.rows * kRestorationStride,
-                                              strip.columns, mix, values.data());
+      add_row(strip, row, sums, mix, values.data());
       sink(strip.left, strip.top + row, strip.columns, values.data());
     }
   });
+}
+
+// Adds what the sums of a strip make of one of its rows.
+void Restoration::add_row(const TileBlock &strip, int64_t row, const int32_t *sums, const RestorationMix &mix,
+                          float *values) const {
+  kernel_for<RestorationKernel>(isa_).add(sums + row * kRestorationStride, strip.rows * kRestorationStride,
+                                          strip.columns, mix, values);
 }
 
 // Hands out the sums of the last layer for strips of a block, `kRestorationStride` from one row to the next.
@@ -154,9 +159,8 @@ void Restoration::run_strips(const TilePixels<const float> &drawn, const TileBlo
 const int32_t *Restoration::run(const TilePixels<const float> &drawn, const TileBlock &strip) const {
   thread_local std::vector<int32_t> memory;
   const RestorationKernel &kernel = kernel_for<RestorationKernel>(isa_);
-  int64_t rows = strip.rows + 2 * network_->reach(), most = 2;
-  for (const RestorationLayer &layer : network_->layers)
-    most = std::max<int64_t>(most, layer.view().blocks * (&layer == &network_->layers.back() ? kRestorationBlock : 2));
+  int64_t rows = strip.rows + 2 * network_->reach(), most = kRestorationLast;
+  for (const RestorationLayer &layer : network_->layers) most = std::max<int64_t>(most, 2 * layer.view().blocks);
   // Behind the columns of a layer there are what inputs or zeros were there before: nothing sound depends on them.
   const size_t size = most * rows * kRestorationStride;
   if (memory.size() < 2 * size) memory.resize(2 * size);

@@ -71,6 +71,8 @@ class Restoration {
   using StripSink = std::function<void(const TileBlock &strip, const int32_t *sums)>;
   void run_strips(const TilePixels<const float> &drawn, const TileBlock &block, int threads,
                   const StripSink &sink) const;
+  void add_row(const TileBlock &strip, int64_t row, const int32_t *sums, const RestorationMix &mix,
+               float *values) const;
   const int32_t *run(const TilePixels<const float> &drawn, const TileBlock &strip) const;
   void read_inputs(const TilePixels<const float> &drawn, const TileBlock &strip, int64_t rows, int32_t *inputs) const;
 

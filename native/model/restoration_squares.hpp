@@ -17,8 +17,8 @@ namespace {
 namespace squares {
 
 using narrow::vi;
+using narrow::Wrapping;
 using Halves = uint16_t __attribute__((vector_size(LANES * 4)));  // of two's complement
-using Wrapping = uint32_t __attribute__((vector_size(LANES * 4)));
 
 constexpr int kVectors = 2, kOutputs = 4;  // computed at once: what there are registers for
 constexpr int kAcross = kVectors * LANES;  // squares side by side

@@ -166,13 +166,8 @@ void store_alike(const float *values, int64_t count, const Samples &s, T *to) {
 
 template <class T>
 void store_apart(const float *values, int64_t pixels, int channels, const Samples &s, T *to) {
-  constexpr bool kIsFloat = T(0.5f) != 0;
-  constexpr float kMax = kIsFloat ? 0 : float(T(-1));
   for (int64_t i = 0; i < pixels; ++i)
-    for (int c = 0; c < channels; ++c, ++values, ++to) {
-      const float sample = mapped(*values, s.low[c], s.span[c]);
-      *to = T(kIsFloat ? sample : rounded(sample, kMax));
-    }
+    for (int c = 0; c < channels; ++c, ++values, ++to) *to = stored<T>(mapped(*values, s.low[c], s.span[c]));
 }
 
 template <class T>

@@ -23,5 +23,12 @@ inline Row mapped(Row value, float low, float span) {
   return clipped(value, 1.0f) * span + low;
 }
 
+// It in type T: rounded to the range of an integer, as it is for a float.
+template <class T>
+inline T stored(float sample) {
+  constexpr bool kIsFloat = T(0.5f) != 0;
+  return T(kIsFloat ? sample : rounded(sample, float(T(-1))));
+}
+
 }  // namespace
 }  // namespace sgi

@@ -10,7 +10,7 @@ import numpy as np
 
 from sgicodec.bitstream.header import Header
 from sgicodec.bitstream.parts.tile import write_tile
-from sgicodec.bitstream.parts.tile_chunk import ExactSamples, encode_tile_chunk
+from sgicodec.bitstream.parts.tile_chunk import ExactSamples, decode_tile_chunk, encode_tile_chunk
 from sgicodec.bitstream.stream_writer import write_stream
 from sgicodec.decoder.stream import open_stream
 from sgicodec.encoder.tile.state import Tile, TileState
@@ -22,7 +22,15 @@ from sgicodec.model.spec import ModelSpec
 from sgicodec.picture import Metadata, Picture, comparable, to_rgb8
 from sgicodec.rate_control.target import Measured, RateTarget
 
-__all__ = ["EncodedTile", "measured", "network_weights", "stream_of", "write", "write_nothing"]
+__all__ = [
+    "EncodedTile",
+    "measured",
+    "network_weights",
+    "stream_of",
+    "with_squared_error",
+    "write",
+    "write_nothing",
+]
 
 
 @dataclass(frozen=True)
@@ -54,8 +62,8 @@ class EncodedTile:
     """How the only tile misses the target."""
 
 
-def write(state: TileState, measures: bool = False) -> EncodedTile:
-    """The tile as its stream has it; measures: with its squared error, for one of several."""
+def write(state: TileState) -> EncodedTile:
+    """The tile as its stream has it."""
     tile, header, model = state.tile, state.header, state.model
     if tile.is_only:  # a header says no more than there is
         spec = header.spec
@@ -65,32 +73,33 @@ def write(state: TileState, measures: bool = False) -> EncodedTile:
         header = replace(header, spec=replace(spec, texture=texture, restoration=restoration), network=network)
     coded, writer = write_tile(header, model)
     parts = {name: bits / 8 for name, bits in writer.bits.items()}
-    return _encoded(tile, header, coded, parts, len(model.layout), state.lmbda, measures)
+    return _encoded(tile, header, coded, parts, len(model.layout), state.lmbda)
 
 
-def write_nothing(tile: Tile, measures: bool = False) -> EncodedTile:
-    """A tile that holds nothing; measures: as in `write`."""
-    return _encoded(tile, tile.header, None, {}, 0, tile.fit.lmbda, measures)
+def write_nothing(tile: Tile) -> EncodedTile:
+    """A tile that holds nothing."""
+    return _encoded(tile, tile.header, None, {}, 0, tile.fit.lmbda)
 
 
 def _encoded(
-    tile: Tile, header: Header, coded: bytes | None, parts: dict[str, float], seeds: int, lmbda: float, measures: bool
+    tile: Tile, header: Header, coded: bytes | None, parts: dict[str, float], seeds: int, lmbda: float
 ) -> EncodedTile:
     """The tile with this model, None for nothing."""
     stream_header = header if tile.is_only else tile.plan.header
     payload = _chunk(tile, stream_header, tile.number, coded)
     if stream_header.masked is not None or stream_header.has_exact:
         parts["mask"] = len(payload) - len(coded or b"")
-    error = _squared_error(tile, coded) if measures else math.nan
     stated = header if tile.is_only else None
-    return EncodedTile(payload, parts, seeds, error, 0.0, len(payload), lmbda, header=stated)
+    return EncodedTile(payload, parts, seeds, math.nan, 0.0, len(payload), lmbda, header=stated)
 
 
-def _squared_error(tile: Tile, coded: bytes | None) -> float:
-    """Of a tile on its own: where it fades into its neighbours, they make it smaller."""
+def with_squared_error(encoded: EncodedTile, tile: Tile) -> EncodedTile:
+    """One of several tiles, measured on its own: where it fades into its neighbours, they make the error smaller."""
+    coded = decode_tile_chunk(tile.plan.header, encoded.payload).model
     shown = _decoded(_stream(tile, tile.header, _chunk(tile, tile.header, 0, coded)), tile)
     core = _core(tile)
-    return squared_error(*(replace(picture, pixels=picture.pixels[core]) for picture in (tile.picture, shown)))
+    ours, theirs = (replace(picture, pixels=picture.pixels[core]) for picture in (tile.picture, shown))
+    return replace(encoded, squared_error=squared_error(ours, theirs))
 
 
 def measured(encoded: EncodedTile, tile: Tile, target: RateTarget) -> Measured:

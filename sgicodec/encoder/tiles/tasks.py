@@ -13,7 +13,13 @@ from sgicodec.encoder.plan import Plan
 from sgicodec.encoder.tile.stages import encode, prepare, rd_model, texture, with_model
 from sgicodec.encoder.tile.state import Tile, TileListener, tile_of
 from sgicodec.encoder.tile.target import write_at_target
-from sgicodec.encoder.tile.writing import EncodedTile, network_weights, write, write_nothing
+from sgicodec.encoder.tile.writing import (
+    EncodedTile,
+    network_weights,
+    with_squared_error,
+    write,
+    write_nothing,
+)
 from sgicodec.executors.threads import stopping
 from sgicodec.picture import Picture
 from sgicodec.rate_control.rd_model import EMPTY_STREAM_BYTES, tile_side_bytes
@@ -70,7 +76,9 @@ class FitTask:
         began, listener = time.monotonic(), self.listener or _Waiting()
         listener.stage("prepare")
         tile = tile_of(window, self.plan, device, number, listener=listener)
-        encoded, missed = _fitted(tile, self.measures)
+        encoded, missed = _fitted(tile)
+        if self.measures:
+            encoded = with_squared_error(encoded, tile)
         watch = tile.watch
         return replace(
             encoded,
@@ -82,12 +90,12 @@ class FitTask:
         )
 
 
-def _fitted(tile: Tile, measures: bool) -> tuple[EncodedTile, str | None]:
+def _fitted(tile: Tile) -> tuple[EncodedTile, str | None]:
     """A tile after all stages, and how it misses what was asked for, if it does."""
     if tile.holds_nothing:
-        return write_nothing(tile, measures), None
+        return write_nothing(tile), None
     target = tile.settings.rate_target(tile.picture.width * tile.picture.height)
-    return (write(encode(tile), measures), None) if target is None else write_at_target(tile, target)
+    return (write(encode(tile)), None) if target is None else write_at_target(tile, target)
 
 
 class _Waiting(TileListener):
