@@ -66,10 +66,9 @@ class PixelRepeats {
   static constexpr int kPad = 2, kMost = 5;  // candidates
   static constexpr int kTableBits = 16, kHashBits = 15, kTimesLimit = 8;
   static constexpr uint32_t kSources = 6, kTimes = 64, kPatterns = 64, kHits = 7 * 7 * 7 * 7;
-  static constexpr std::array<uint32_t, 4> kFirst{kMost * kSources * kTimes, kMost * (kSources * kTimes + kPatterns),
-                                                  kMost * (kSources * kTimes + kPatterns) + (1u << kHashBits),
-                                                  kMost * (kSources * kTimes + kPatterns) + (2u << kHashBits)};
-  static constexpr uint32_t kModels = kFirst[3] + kMost * kHits, kSets = kMost * (kSources * 8 + kPatterns);
+  static constexpr std::array<uint32_t, 3> kFirst{kMost * kSources * kTimes, kMost * (kSources * kTimes + kPatterns),
+                                                  kMost * (kSources * kTimes + kPatterns) + (1u << kHashBits)};
+  static constexpr uint32_t kModels = kFirst[2] + kMost * kHits, kSets = kMost * kSources * kPatterns;
   // A hit that is less likely is not coded, by where many pixels are hit, as in text, and where they are not; tables
   // serve where not too few are.
   static constexpr uint32_t kGraphic = 30000, kLeastInGraphics = 2000, kLeast = 40000, kLeastForTables = 10000;
@@ -110,20 +109,14 @@ class PixelRepeats {
     const auto colour = [&](int64_t down, int64_t across) { return here[down * stride_ + across].colour; };
     const uint32_t w = colour(0, -1), n = colour(-1, 0), ne = colour(-1, 1), nw = colour(-1, -1);
     const uint32_t ww = colour(0, -2), nn = colour(-2, 0);
-    near_hash_ = 0;
-    for (const uint32_t one : {w, n, ne, nw, ww, nn}) near_hash_ = mixed(near_hash_, one);
-    far_hash_ = near_hash_;
-    for (const uint32_t one :
-         {colour(-1, 2), colour(-1, -2), colour(-2, -1), colour(-2, 1), colour(-2, -2), colour(-2, 2)})
-      far_hash_ = mixed(far_hash_, one);
-    three_hash_ = mixed(mixed(mixed(0, w), n), ne);
     pattern_ = uint32_t(w == n) | uint32_t(w == nw) << 1 | uint32_t(n == ne) << 2 | uint32_t(n == nw) << 3 |
                uint32_t(w == ww) << 4 | uint32_t(n == nn) << 5;
-    hit_ = 0, count_ = 0, far_times_ = 0, times_ = 0;
+    hit_ = 0, count_ = 0, times_ = 0;
     are_asked_ = usual_.probability > kLeastForTables;
+    if (are_asked_) hash(here);
     const Seen &far = seen_far(), &near = seen_near();
     if (are_asked_) {
-      far_times_ = uint32_t(std::min(far.times, 7)), times_ = far_times_ * 8 + uint32_t(std::min(near.times, 7));
+      times_ = uint32_t(std::min(far.times, 7)) * 8 + uint32_t(std::min(near.times, 7));
       add(far.last.number, far.last.colour, 0);
       add(near.last.number, near.last.colour, 1);
     }
@@ -133,6 +126,16 @@ class PixelRepeats {
     if (y) add(number - int32_t(width_), n, 4);
     if (y && x < width_ - 1) add(number - int32_t(width_) + 1, ne, 5);
     if (count_) chance_ = &chances_[(candidates_[0].source * kTimes + times_) * kPatterns + pattern_];
+  }
+
+  // Finds the hashes of what is around a pixel.
+  void hash(const Around *here) {
+    constexpr int8_t near[][2]{{0, -1}, {-1, 0}, {-1, 1}, {-1, -1}, {0, -2}, {-2, 0}};
+    constexpr int8_t far[][2]{{-1, 2}, {-1, -2}, {-2, -1}, {-2, 1}, {-2, -2}, {-2, 2}};
+    near_hash_ = 0;
+    for (const auto &[down, across] : near) near_hash_ = mixed(near_hash_, here[down * stride_ + across].colour);
+    far_hash_ = near_hash_;
+    for (const auto &[down, across] : far) far_hash_ = mixed(far_hash_, here[down * stride_ + across].colour);
   }
 
   // Adds a pixel whose colour no other candidate has.
@@ -145,6 +148,7 @@ class PixelRepeats {
 
   bool code_hit(int64_t y, int64_t x, int rank, int &is_hit) {
     const Around *here = &around_[size_t(place(y, x))];
+    if (!are_asked_ && !rank) hash(here);  // else that was done
     const uint32_t hits =
         ((uint32_t(here[-1].hit) * 7 + here[-stride_].hit) * 7 + here[-stride_ + 1].hit) * 7 + here[-stride_ - 1].hit;
     const auto number = uint32_t(rank);
@@ -152,9 +156,9 @@ class PixelRepeats {
     const uint32_t alike = number * kPatterns + pattern_;
     const ResidualModels::Context context{
         {from * kTimes + times_, kFirst[0] + alike, kFirst[1] + (mixed(near_hash_, number) >> (32 - kHashBits)),
-         kFirst[2] + (mixed(three_hash_, number) >> (32 - kHashBits)), kFirst[3] + number * kHits + hits},
-        {from * 8 + far_times_, kMost * kSources * 8 + alike}};
-    return models_.code(bits_, context, is_hit);
+         kFirst[2] + number * kHits + hits},
+        from * kPatterns + pattern_};
+    return models_.code(bits_, context, 0, is_hit);
   }
 
   const int64_t width_, stride_;
@@ -169,7 +173,7 @@ class PixelRepeats {
   int count_ = 0;
   bool are_asked_ = false;  // the tables
   BitModel *chance_ = nullptr;
-  uint32_t far_hash_ = 0, near_hash_ = 0, three_hash_ = 0, pattern_ = 0, far_times_ = 0, times_ = 0;
+  uint32_t far_hash_ = 0, near_hash_ = 0, pattern_ = 0, times_ = 0;
   uint8_t hit_ = 0;
 };
 

@@ -1,26 +1,56 @@
 #include "base/isa.hpp"
+#include "base/vector.hpp"
 #include "bitstream/predictor_kernel.hpp"
 
 namespace sgi {
 namespace {
 
 constexpr int kRow = kPredictorRow;
+constexpr int kWide = LANES / 2;      // doubles in a vector
 constexpr double kBeside = 0.6;       // weight of the segments to the left and to the right
 constexpr double kRidge = 4;          // by how much weights are drawn to the prior
 constexpr double kLeastPivot = 1e-6;  // of an input's own sum; one that adds less to those before gets no weight
 
-void add_products(float *sums, const float *values, float weight, int inputs) {
-  for (int i = 0; i <= inputs; ++i, sums += kRow) {
+using vd = double __attribute__((vector_size(kWide * 8)));
+
+inline vd load_doubles(const double *p) {
+  vd v;
+  std::memcpy(&v, p, sizeof v);
+  return v;
+}
+inline void store_doubles(double *p, vd v) { std::memcpy(p, &v, sizeof v); }
+
+// Adds products to rows from `begin` to `end`, from column `first` on.
+template <int first>
+inline void add_rows(float *sums, const float *values, float weight, int begin, int end) {
+  vf columns[(kRow - first) / LANES];
+  for (int j = 0; j < (kRow - first) / LANES; ++j) columns[j] = load(values + first + j * LANES);
+  for (int i = begin; i < end; ++i) {
     const float scaled = values[i] * weight;
-    for (int j = i & ~7; j < kRow; ++j) sums[j] += scaled * values[j];
+    for (int j = 0; j < (kRow - first) / LANES; ++j) {
+      float *at = sums + i * kRow + first + j * LANES;
+      store(at, load(at) + scaled * columns[j]);
+    }
   }
 }
 
-// Cholesky, row by row, with what is predicted as the last column; the diagonal is kept inverted.
+void add_products(float *sums, const float *values, float weight, int inputs) {
+  constexpr int kHalf = kRow / 2;
+  add_rows<0>(sums, values, weight, 0, inputs + 1 < kHalf ? inputs + 1 : kHalf);
+  add_rows<kHalf>(sums, values, weight, kHalf, inputs + 1);
+}
+
+// Gaussian elimination, with what is predicted as the last column.
 void solve_weights(const float *own, const float *left, const float *right, const double *prior, int inputs,
                    double *weights) {
-  double matrix[kPredictorInputs * kRow], inverse[kPredictorInputs], least[kPredictorInputs];
-  for (int i = 0; i < inputs * kRow; ++i) matrix[i] = double(own[i]) + kBeside * (double(left[i]) + double(right[i]));
+  alignas(64) double matrix[kPredictorInputs * kRow], shares[kPredictorInputs * kRow], found[kRow]{};
+  double least[kPredictorInputs];
+  const int end = (inputs & -kWide) + kWide;
+  for (int i = 0; i < inputs; ++i)
+    for (int j = i & -kWide; j < end; ++j) {
+      const int at = i * kRow + j;
+      matrix[at] = double(own[at]) + kBeside * (double(left[at]) + double(right[at]));
+    }
   for (int i = 0; i < inputs; ++i) {
     double *row = matrix + i * kRow;
     row[i] += kRidge;
@@ -28,17 +58,21 @@ void solve_weights(const float *own, const float *left, const float *right, cons
     least[i] = kLeastPivot * row[i];
   }
   for (int k = 0; k < inputs; ++k) {
-    double *row = matrix + k * kRow;
-    inverse[k] = row[k] > least[k] ? 1 / __builtin_sqrt(row[k]) : 0;
-    for (int j = k + 1; j <= inputs; ++j) row[j] *= inverse[k];
+    const double *row = matrix + k * kRow;
+    const double inverse = row[k] > least[k] ? 1 / row[k] : 0;
     for (int i = k + 1; i < inputs; ++i) {
+      const double share = row[i] * inverse;
+      shares[i * kRow + k] = share;
       double *below = matrix + i * kRow;
-      for (int j = i; j <= inputs; ++j) below[j] -= row[i] * row[j];
+      for (int j = i & -kWide; j < end; j += kWide)
+        store_doubles(below + j, load_doubles(below + j) - share * load_doubles(row + j));
     }
+    found[k] = row[inputs] * inverse;
   }
   for (int i = inputs - 1; i >= 0; --i) {
-    weights[i] = matrix[i * kRow + inputs] * inverse[i];
-    for (int k = 0; k < i; ++k) matrix[k * kRow + inputs] -= matrix[k * kRow + i] * weights[i];
+    const double weight = weights[i] = found[i];
+    const double *share = shares + i * kRow;
+    for (int k = 0; k < i; ++k) found[k] -= share[k] * weight;
   }
 }
 

@@ -5,12 +5,14 @@
 #include <cstdlib>
 #include <cstring>
 
+#include "bitstream/residual_models.hpp"
+
 namespace sgi {
 
 namespace {
 
 int32_t nearest(const ResidualGrid &grid, float sample) {
-  const double value = std::floor((double(sample) - grid.base) / grid.step + 0.5);
+  const double value = (double(sample) - grid.base) / grid.step + 0.5;
   return value > 0 ? value < grid.most ? int32_t(value) : grid.most : 0;
 }
 
@@ -39,10 +41,10 @@ float sample_of(const ResidualGrid &grid, int32_t value) { return float(grid.bas
 GridBlock on_grids(const Header &header, const ResidualForm &form, const float *drawn, int64_t width, size_t count) {
   const size_t channels = form.grids.size(), row = size_t(width) * channels;
   GridBlock found{std::vector<int32_t>(count), std::vector<uint8_t>(count)};
-  for (size_t i = 0; i < count; ++i) {
-    found.held[i] = !std::isfinite(drawn[i]) || is_nodata(header, i % channels, drawn[i]);
+  for (size_t i = 0, c = 0; i < count; ++i, c = c + 1 < channels ? c + 1 : 0) {
+    found.held[i] = !std::isfinite(drawn[i]) || is_nodata(header, c, drawn[i]);
     if (!found.held[i])
-      found.values[i] = nearest(form.grids[i % channels], drawn[i]);
+      found.values[i] = nearest(form.grids[c], drawn[i]);
     else if (i % row >= channels)
       found.values[i] = found.values[i - channels];
     else if (i >= row)
@@ -70,9 +72,10 @@ GridRest<Bits>::GridRest(const Header &header, const ResidualForm &form, Bits &b
 template <class Bits>
 bool GridRest<Bits>::code(const GridBlock &drawn, const std::vector<int32_t> &values, const float *shown,
                           float *samples) {
-  for (size_t i = 0; i < values.size(); ++i) {
-    Channel &channel = channels_[i % channels_.size()];
-    const ResidualGrid &grid = form_.grids[i % channels_.size()];
+  const size_t channels = channels_.size();
+  for (size_t i = 0, c = 0; i < values.size(); ++i, c = c + 1 < channels ? c + 1 : 0) {
+    Channel &channel = channels_[c];
+    const ResidualGrid &grid = form_.grids[c];
     int32_t value = values[i];
     if (drawn.held[i]) {
       samples[i] = shown[i];
@@ -110,8 +113,7 @@ bool GridRest<Bits>::code_bits(Channel &channel, float found, float &sample) {
   for (; known < kLengths - 1; ++known) {
     BitModel &model = channel.lengths[size_t(channel.length * kLengths + known)];
     int more = known < length;
-    if (!bits_.code(std::clamp<int32_t>(model.probability, 16, kCertain - 16), more)) return false;
-    adapt(model, more);
+    if (!code_alone(bits_, model, more)) return false;
     if (!more) break;
   }
   channel.length = known;

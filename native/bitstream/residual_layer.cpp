@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 #include <map>
+#include <type_traits>
 
 #include "base/crc32.hpp"
 #include "base/error.hpp"
@@ -59,10 +60,8 @@ bool code_cells(const ResidualBlock &block, Bits &bits, std::vector<uint8_t> &ce
     const size_t x = i % across;
     const bool left = x && cells[i - 1], above = i >= across && cells[i - across];
     const bool above_right = i >= across && x + 1 < across && cells[i - across + 1];
-    BitModel &model = models[left + 2 * above + 4 * above_right];
     int bit = cells[i];
-    if (!bits.code(std::clamp<int32_t>(model.probability, 16, kCertain - 16), bit)) return false;
-    adapt(model, bit);
+    if (!code_alone(bits, models[left + 2 * above + 4 * above_right], bit)) return false;
     cells[i] = uint8_t(bit);
   }
   return true;
@@ -120,7 +119,9 @@ bool code_block(const ResidualBlock &block, Isa isa, Bits &bits, ResidualSamples
   const ResidualShape shape{block.width, block.height, is_rgb, block.form.grids};
   GridBlock drawn = on_grids(block.header, block.form, block.drawn, block.width, block.samples());
   hold_others(block, given.cells, block.form.grids.size(), drawn);
-  std::vector<int32_t> values = nearest_values(block.form, samples, block.samples());
+  // A reader finds all values, whatever they are before.
+  std::vector<int32_t> values =
+      std::is_same_v<Bits, BitReader> ? drawn.values : nearest_values(block.form, samples, block.samples());
   if (!ResidualCoding<Bits>(shape, kernel_for<PredictorKernel>(isa), bits).code(values, drawn)) return false;
   return GridRest<Bits>(block.header, block.form, bits).code(drawn, values, block.drawn, samples);
 }

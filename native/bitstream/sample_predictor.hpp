@@ -1,6 +1,7 @@
 // Predicts samples from their neighbours by least squares that adapt to each place (docs/format.md, "Residual layer").
 #pragma once
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -10,7 +11,7 @@ namespace sgi {
 
 // The predictor of one channel of a block. Rows of a block are cut into segments of 32 columns; each segment keeps
 // sums of products of what samples near it were predicted from, which fade row by row, and solves for weights before
-// its samples are coded.
+// its samples are coded. Weights that were found serve in the row below, too.
 class SamplePredictor {
  public:
   static constexpr int kSegment = 32;
@@ -18,42 +19,62 @@ class SamplePredictor {
   // prior [inputs]: weights where nothing is known yet.
   SamplePredictor(const PredictorKernel &kernel, int64_t width, std::vector<double> prior)
       : kernel_(kernel), prior_(std::move(prior)), segments_((width + kSegment - 1) / kSegment),
-        sums_(size_t(segments_) * (prior_.size() + 1) * kPredictorRow), weights_(prior_) {}
+        sums_(size_t(segments_) * (prior_.size() + 1) * kPredictorRow / kLine), weights_(size_t(segments_)) {}
 
   int inputs() const { return int(prior_.size()); }
-  // Finds the weights of a segment from what was learned in it and beside it.
+  // Turns to a segment: finds its weights from what was learned in it and beside it, if not in the row above.
   void solve(int64_t segment) {
     segment_ = segment;
-    kernel_.solve(sums(segment), sums(segment - 1), sums(segment + 1), prior_.data(), inputs(), weights_.data());
+    Weights &found = weights_[size_t(segment)];
+    if (found.age == Age::last_row) {
+      found.age = Age::old;
+      return;
+    }
+    found.age = Age::this_row;
+    kernel_.solve(sums(segment), sums(segment - 1), sums(segment + 1), prior_.data(), inputs(), found.values.data());
   }
-  // The weighted sum of `inputs` by the weights last solved for.
-  double predict(const float *inputs) const {
-    double sum = 0;
-    for (size_t i = 0; i < weights_.size(); ++i) sum += weights_[i] * double(inputs[i]);
+  // `sum` and the weighted sum of inputs from `begin` to `end`, by the weights of the segment.
+  double predict(const float *inputs, int begin, int end, double sum) const {
+    const Weights &found = weights_[size_t(segment_)];
+    for (int i = begin; i < end; ++i) sum += found.values[size_t(i)] * double(inputs[i]);
     return sum;
   }
-  // Learns that values [kPredictorRow], the inputs, then the sample itself, then zeros, came together in the segment
-  // last solved for.
+  // Learns that values [kPredictorRow], the inputs, then the sample itself, then zeros, came together in the segment.
   void learn(const float *values, float weight) { kernel_.learn(sums(segment_), values, weight, inputs()); }
-  // Lets all that was learned fade: a row is done.
+  // A row is done: lets all that was learned fade.
   void fade() {
-    for (float &sum : sums_) sum *= kFade;
+    for (Line &line : sums_)
+      for (float &sum : line.sums) sum *= kFade;
+    for (Weights &found : weights_) found.age = found.age == Age::this_row ? Age::last_row : Age::old;
   }
 
  private:
   static constexpr float kFade = 0.9f;
+  static constexpr size_t kLine = 16;
+
+  // Sums that lie in one line of the cache: vectors do not cross two.
+  struct alignas(kLine * sizeof(float)) Line {
+    float sums[kLine];
+  };
+
+  // When weights were found.
+  enum class Age : uint8_t { old, last_row, this_row };
+  struct Weights {
+    std::array<double, kPredictorInputs> values{};
+    Age age = Age::old;
+  };
 
   // Those of a segment, of the nearest where there is none.
   float *sums(int64_t segment) {
-    return sums_.data() + std::clamp<int64_t>(segment, 0, segments_ - 1) * (inputs() + 1) * kPredictorRow;
+    return sums_[0].sums + std::clamp<int64_t>(segment, 0, segments_ - 1) * (inputs() + 1) * kPredictorRow;
   }
 
   const PredictorKernel &kernel_;
   const std::vector<double> prior_;
   const int64_t segments_;
   int64_t segment_ = 0;
-  std::vector<float> sums_;  // [segments, inputs + 1, kPredictorRow]
-  std::vector<double> weights_;
+  std::vector<Line> sums_;        // [segments, inputs + 1, kPredictorRow]
+  std::vector<Weights> weights_;  // [segments]
 };
 
 }  // namespace sgi

@@ -167,6 +167,10 @@ std::vector<uint8_t> StreamReader::overview() {
 
 int64_t StreamReader::residual_bytes() const { return parts_->has_residual ? parts_->residual.length : -1; }
 
+void StreamReader::check_residual() {
+  if (parts_->has_residual && parts_->chunks.size()) parts_->chunks.check(parts_->residual);  // else that was done
+}
+
 std::vector<uint8_t> StreamReader::residual(int64_t offset, int64_t count) {
   const int64_t end = std::min(residual_bytes(), offset + count);
   if (parts_->chunks.size())

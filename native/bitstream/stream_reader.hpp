@@ -28,6 +28,8 @@ class StreamReader {
   int64_t residual_bytes() const;   // of the payload of the residual layer; -1 where there is none
   // Up to `count` bytes of that payload, which are not checked.
   std::vector<uint8_t> residual(int64_t offset, int64_t count);
+  // Checks the CRC of the residual layer's chunk, if there is one: what reads a part of the payload cannot.
+  void check_residual();
   std::vector<uint8_t> tile(int64_t number);  // the payload of its chunk
   // Tells the source that tiles are read next, those from place `first` on, up to a few megabytes of them. Returns the
   // place behind the last one.

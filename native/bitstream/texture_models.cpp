@@ -21,7 +21,7 @@ BitTables::BitTables() {
   }
   for (int i = 0; i < 2 * kLogisticHalf; ++i) {
     const double p = kCertain / (1 + std::exp((kLogisticHalf - i) / 256.0));
-    logistic[i] = std::clamp(int(std::lrint(p)), kMin, kCertain - 1 - kMin);
+    logistic[i] = uint16_t(std::clamp(int(std::lrint(p)), kMin, kCertain - 1 - kMin));
   }
   for (int i = 0; i <= kSeenLimit; ++i) rate[i] = 10 * kCertain / (10 * i + 16);
   rate[kSeenLimit + 1] = 0;

@@ -42,10 +42,10 @@ struct Prediction {
 // mathematical library gives the same integers.
 struct BitTables {
   BitTables();
-  std::array<int16_t, kLogits> logit;               // 256 log(p / (1 - p)) for p = (index + 1/2) / 4096
-  std::array<int32_t, 2 * kLogisticHalf> logistic;  // 65536 / (1 + exp(-x / 256)), x = index - 3072; 16 ... 65519
-  std::array<int32_t, kSeenLimit + 2> rate;         // 65536 / (bits seen + 1.6); 0 for one that never moves
-  std::array<float, kLogits + 1> cost;              // bits, by P(bit) in 2^-12
+  std::array<int16_t, kLogits> logit;                // 256 log(p / (1 - p)) for p = (index + 1/2) / 4096
+  std::array<uint16_t, 2 * kLogisticHalf> logistic;  // 65536 / (1 + exp(-x / 256)), x = index - 3072; 16 ... 65519
+  std::array<int32_t, kSeenLimit + 2> rate;          // 65536 / (bits seen + 1.6); 0 for one that never moves
+  std::array<float, kLogits + 1> cost;               // bits, by P(bit) in 2^-12
 };
 extern const BitTables kBitTables;
 

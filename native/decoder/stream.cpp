@@ -169,6 +169,7 @@ double Stream::max_error() {
 void Stream::check_exact() {
   const Lock lock(parts_->turn);
   if (!exact_blocks()) return;
+  parts_->chunks.check_residual();
   constexpr int64_t kSamples = int64_t(1) << 24;  // at a time, or a block
   const Output own = own_output(header());
   const int64_t pixel = header().spec.channels * SampleFormat(header(), own, std::nullopt).sample_bytes();

@@ -12,7 +12,7 @@ __all__ = ["block"]
 
 F32 = np.float32
 NEAR = ((0, -1), (-1, 0), (-1, -1), (-1, 1), (0, -2), (-2, 0), (-2, 1), (-1, 2), (-2, -1), (-1, -2))
-OTHER = ((0, 0), (0, -1), (-1, 0), (-1, 1), (-1, -1))
+OTHER = ((0, -1), (-1, 0), (-1, 1), (-1, -1))
 CROSS = ((0, -1), (-1, 0), (0, 1), (1, 0))
 
 Code = Callable[[int], int]
@@ -82,7 +82,9 @@ def _coded(
             if found is None and not solved:
                 solved = True
                 for each in channels:
-                    each.solve(x // 32)
+                    each.solve(x // 32, y)
+            for channel in channels:
+                channel.prepare(channels, y, x)
             for k, channel in enumerate(channels):
                 c = order[k]
                 if held[y, x, c]:
@@ -93,10 +95,7 @@ def _coded(
                     channel.note(y, x, values[y, x, c] - channel.d(y, x), values[y, x, c], 0, (0, 0))
                 else:
                     known = None if found is None else int(values[found // width, found % width, c])
-                    coded = channel.sample(
-                        channels, y, x, known, lambda n, m, w, k=k: models[min(k, 2)].bit(code, n, m, w)
-                    )
-                    values[y, x, c] = coded
+                    values[y, x, c] = channel.sample(channels, y, x, known, models[min(k, 2)], code)
             if is_exact:
                 repeats.learn(y, x, values[y, x].tolist())
         for channel in channels:
@@ -172,7 +171,6 @@ class _Repeats:
         (_, (nww, nw, n, ne, nee), (ww, w, *_)), (nn2w, nnw, nn, nne, nn2e) = colours, colours[0]
         near = _mixed([w, n, ne, nw, ww, nn], 0)
         far = _mixed([nee, nww, nnw, nne, nn2w, nn2e], near)
-        three = _mixed([w, n, ne], 0)
         equal = [w == n, w == nw, n == ne, n == nw, w == ww, n == nn]
         alike = sum(1 << i for i, one in enumerate(equal) if one)
         self.places = [self.far.setdefault(far >> 16, _Seen()), self.near.setdefault(near >> 16, _Seen())]
@@ -201,12 +199,10 @@ class _Repeats:
                 64 * (6 * r + source) + 8 * times[0] + times[1],
                 1920 + 64 * r + alike,
                 2240 + (_mixed([r], near) >> 17),
-                35008 + (_mixed([r], three) >> 17),
-                67776 + 2401 * r + hits,
+                35008 + 2401 * r + hits,
             ]
-            sets = [8 * (6 * r + source) + times[0], 240 + 64 * r + alike]
             self.hit = r + 1
-            if self.models.bit(code, 0, numbers, sets):
+            if self.models.bit(code, numbers, 64 * (6 * r + source) + alike):
                 return place
         self.hit = 6
         return None
@@ -251,32 +247,36 @@ class _Channel:
         self.prior = np.zeros(self.n)
         self.prior[:4] = 0.4, 0.45, -0.15, 0.1
         if k:
-            self.prior[14 + 5 * (min(k, 2) - 1)] = 0.8
+            self.prior[-1] = 0.8
         self.sums = np.zeros(((width + 31) // 32, self.n + 1, self.n + 1), F32)
-        self.weights = self.prior
+        self.weights = [self.prior] * len(self.sums)
+        self.found_in = [-2] * len(self.sums)
         self.e = np.zeros((height + 2, width + 4), int)
         self.magnitude = np.full((height + 2, width + 4), 64)
         self.value = np.zeros((height + 2, width + 4), int)
         self.misses = np.zeros((2, height + 2, width + 4), int)
 
-    def solve(self, segment: int) -> None:
+    def solve(self, segment: int, row: int) -> None:
         last, n = len(self.sums) - 1, self.n
         self.segment = segment
+        if self.found_in[segment] == row - 1:
+            return
+        self.found_in[segment] = row
         own, left, right = (self.sums[min(last, max(0, s))].astype(float) for s in (segment, segment - 1, segment + 1))
         total = own + 0.6 * (left + right)
-        matrix, inverse, weights = total.copy(), np.zeros(n), np.zeros(n)
+        matrix, shares, weights = total.copy(), np.zeros((n, n + 1)), np.zeros(n)
         for i in range(n):
             matrix[i, i] += 4
             matrix[i, n] += 4 * self.prior[i]
         for k in range(n):
-            inverse[k] = 1 / math.sqrt(matrix[k, k]) if matrix[k, k] > 1e-6 * (total[k, k] + 4) else 0
-            matrix[k, k + 1 :] *= inverse[k]
+            inverse = 1 / matrix[k, k] if matrix[k, k] > 1e-6 * (total[k, k] + 4) else 0
+            shares[k, k + 1 :] = matrix[k, k + 1 :] * inverse
             for i in range(k + 1, n):
-                matrix[i, i:] -= matrix[k, i] * matrix[k, i:]
+                matrix[i, i:] -= shares[k, i] * matrix[k, i:]
         for i in range(n - 1, -1, -1):
-            weights[i] = matrix[i, n] * inverse[i]
-            matrix[:i, n] -= matrix[:i, i] * weights[i]
-        self.weights = weights
+            weights[i] = shares[i, n]
+            shares[:i, n] -= shares[:i, i] * weights[i]
+        self.weights[segment] = weights
 
     def d(self, y: int, x: int) -> int:
         height, width = self.drawn.shape
@@ -285,46 +285,55 @@ class _Channel:
     def cross(self, y: int, x: int) -> list[int]:
         return [self.d(y + down, x + across) - self.d(y, x) for down, across in CROSS]
 
-    def sample(self, channels: list[_Channel], y: int, x: int, known: int | None, bit: Callable[..., int]) -> int:
+    def prepare(self, channels: list[_Channel], y: int, x: int) -> None:
         k, v, j = self.k, y + 2, x + 2
-        inputs = [self.e[v + down, j + across] for down, across in NEAR] + self.cross(y, x)
+        self.inputs = [self.e[v + down, j + across] for down, across in NEAR] + self.cross(y, x)
         for other in channels[max(0, k - 2) : k]:
-            inputs += [other.e[v + down, j + across] for down, across in OTHER]
-        inputs += channels[k - 1].cross(y, x) if k else []
-        drawn = self.d(y, x)
+            self.inputs += [other.e[v + down, j + across] for down, across in OTHER]
+        self.inputs += channels[k - 1].cross(y, x) if k else []
         left, above, corner = (int(self.value[v + down, j + across]) for down, across in ((0, -1), (-1, 0), (-1, -1)))
-        inputs.append(min(max(left + above - corner, min(left, above)), max(left, above)) - drawn)
+        plane = min(max(left + above - corner, min(left, above)), max(left, above))
+        self.inputs.append(plane - self.d(y, x))
+
+    def sample(self, channels: list[_Channel], y: int, x: int, known: int | None, models: _Models, code: Code) -> int:
+        k, v, j = self.k, y + 2, x + 2
+        drawn, inputs = self.d(y, x), [*self.inputs, *(other.e[v, j] for other in channels[max(0, k - 2) : k])]
         total = 0.0
-        for weight, value in zip(self.weights, inputs, strict=True):
+        for weight, value in zip(self.weights[self.segment], inputs, strict=True):
             total += weight * float(value)
         p = math.floor(16 * min(float(self.largest), max(0.0, drawn + total)) + 0.5)
         middle = (p + 8) >> 4
         f = p - 16 * middle
         guesses = self.guesses(channels, v, j)
-        spread, numbers, sets = self.context(channels, v, j, y, x, middle, f)
+        spread, numbers = self.context(channels, v, j, middle)
         for i, (guess, kind) in enumerate(guesses):
             place = min(6, max(-6, self.steps(guess - middle))) + 6
-            numbers.append((6432, 7680)[i] + ((place * 4 + kind) * 12 + self.doubt(i, v, j)) * 2 + (f >= 0))
+            numbers.append((5920, 7168)[i] + ((place * 4 + kind) * 12 + self.doubt(i, v, j)) * 2 + (f >= 0))
 
         def coded(node: int) -> int:
-            return bit(node, [64 * number + node for number in numbers], [s[node > 1] + 64 * node for s in sets])
+            return models.bit(code, [16 * number + node for number in numbers], 16 * _size(spread, 0, 16) + node)
 
-        found = self.steps_coded(coded, middle, f, spread) if known is None else known
+        def digit(*context: int) -> int:
+            return models.alone(code, context)
+
+        found = self.steps_coded(coded, digit, middle, f, spread) if known is None else known
         self.learn([*inputs, found - drawn], spread)
         misses = [min(6, abs(self.steps(found - guess))) for guess, _ in guesses]
         self.note(y, x, found - drawn, found, abs(16 * found - p) // self.step, (misses[0], misses[1]))
         return found
 
-    def steps_coded(self, coded: Callable[[int], int], middle: int, f: int, spread: int) -> int:
+    def steps_coded(
+        self, coded: Callable[[int], int], digit: Callable[..., int], middle: int, f: int, spread: int
+    ) -> int:
         most_off = (self.step - 1) // 2
         low, high = -((middle + most_off) // self.step), (self.largest - middle + most_off) // self.step
         if f >= 0:
             up = coded(0) if high >= 1 else 0
             start = 1 if up else 0
         else:
-            up = coded(1) if low <= -1 else 1
+            up = coded(0) if low <= -1 else 1
             start = 0 if up else -1
-        distance = _distance(coded, spread, 33 if up else 2, high - start if up else start - low)
+        distance = _distance(coded, digit, spread, up, high - start if up else start - low)
         steps = start + distance if up else start - distance
         return min(self.largest, max(0, middle + self.step * steps))
 
@@ -362,25 +371,18 @@ class _Channel:
         near, far = int(m[v, j - 1] + m[v - 1, j]), int(m[v, j - 2] + m[v - 2, j])
         return (near if near < 3 else 3 if near < 6 else 4 if near < 9 else 5) + (6 if far > 2 else 0)
 
-    def context(
-        self, channels: list[_Channel], v: int, j: int, y: int, x: int, middle: int, f: int
-    ) -> tuple[int, list[int], list[tuple[int, int]]]:
+    def context(self, channels: list[_Channel], v: int, j: int, middle: int) -> tuple[int, list[int]]:
         k, m = self.k, self.magnitude
         left, above, la, ra = (int(m[v + a, j + b]) for a, b in ((0, -1), (-1, 0), (-1, -1), (-1, 1)))
         near = (4 * left + 4 * above + 2 * la + 2 * ra + int(m[v, j - 2]) + int(m[v - 2, j])) // 14
         b = int(channels[k - 1].magnitude[v, j]) if k else 0
         c = int(channels[k - 2].magnitude[v, j]) if k > 1 else b
-        s = near if k == 0 else (10 * near + 6 * b) // 16 if k == 1 else (10 * near + 3 * b + 3 * c) // 16
-        g = abs(self.d(y, x + 1) - self.d(y, x - 1)) + abs(self.d(y + 1, x) - self.d(y - 1, x))
-        s5, slope = _size(s, 1, 32), _size(4 * g // self.step, 1, 24)
-        q = (f + 8) >> 2 if self.step == 1 else 1
-        numbers = [
-            4 * _size(s, 3, 128) + q,
-            512 + (s5 * 11 + _size(b // 4, 0, 11)) * 11 + _size(c // 4, 0, 11),
-            4384 + 8 * (middle >> max(0, self.largest.bit_length() - 8)) + min(7, s5 // 2),
+        s = near if k == 0 else (10 * near + 3 * b + 3 * c) // 16
+        s5 = _size(s, 1, 32)
+        return s, [
+            (s5 * 11 + _size(b // 4, 0, 11)) * 11 + _size(c // 4, 0, 11),
+            3872 + 8 * (middle >> max(0, self.largest.bit_length() - 8)) + min(7, s5 // 2),
         ]
-        first = _size(s, 2, 64)
-        return s, numbers, [(first, first), (4096 + 2 * _size(b // 4, 1, 32) + (f >= 0), 4096 + slope)]
 
 
 def _size(value: int, part: int, classes: int) -> int:
@@ -390,39 +392,42 @@ def _size(value: int, part: int, classes: int) -> int:
     return min(classes - 1, (log << part) + rest)
 
 
-def _distance(coded: Callable[[int], int], spread: int, o: int, most: int) -> int:
+def _distance(coded: Callable[[int], int], digit: Callable[..., int], spread: int, up: int, most: int) -> int:
     size = 0 if spread < 32 else (spread >> 4).bit_length() - 2
     start = runs = rest = 0
-    while start + (1 << size) <= most and coded(o + min(runs, 11)):
+    while start + (1 << size) <= most and coded((8 if up else 1) + min(runs, 6)):
         start += 1 << size
         runs += 1
         size += runs >= 4
     for depth in range(size):
-        node = o + 12 + 3 * min(runs, 4) + (1 + rest if depth else 0)
-        rest = 2 * rest + coded(node if depth < 2 else -1)
+        known = (up, min(size, 11), min(runs, 3), depth, rest) if depth < 3 else ()
+        rest = 2 * rest + digit(*known)
     return start + rest
 
 
 class _Models:
     def __init__(self) -> None:
-        self.p: dict[int, int] = {}
-        self.seen: dict[int, int] = {}
+        self.models: dict[int | tuple[int, ...], tuple[int, int]] = {}
         self.weights: dict[int, list[int]] = {}
 
-    def bit(self, code: Code, node: int, numbers: list[int], sets: list[int]) -> int:
-        if node < 0:
-            return code(32768)
-        logits = [_logit(self.p.get(number, 32768) >> 4) for number in numbers]
-        first, second = (self.weights.setdefault(one, [12000] * 5) for one in sets)
-        total = sum((a + b) * logit for a, b, logit in zip(first, second, logits, strict=True)) >> 17
+    def bit(self, code: Code, numbers: list[int], set_: int) -> int:
+        logits = [_logit(self.models.get(number, (32768, 0))[0] >> 4) for number in numbers]
+        weights = self.weights.setdefault(set_, [16384] * 4)
+        total = sum(weight * logit for weight, logit in zip(weights, logits, strict=True)) >> 16
         one = _logistic(min(3071, max(-3072, total)))
         bit = code(one)
-        for weights in (first, second):
-            for i, logit in enumerate(logits):
-                weights[i] = min(1 << 20, max(-(1 << 20), weights[i] + ((logit * (65536 * bit - one)) >> 14)))
+        for i, logit in enumerate(logits):
+            weights[i] = min(1 << 20, max(-(1 << 20), weights[i] + ((logit * (65536 * bit - one)) >> 15)))
         for number in numbers:
-            p, seen = self.p.get(number, 32768), self.seen.get(number, 0)
-            self.p[number], self.seen[number] = _adapted(p, seen, bit)
+            self.models[number] = _adapted(*self.models.get(number, (32768, 0)), bit)
+        return bit
+
+    def alone(self, code: Code, context: tuple[int, ...]) -> int:
+        if not context:
+            return code(32768)
+        p, seen = self.models.get(context, (32768, 0))
+        bit = code(min(65520, max(16, p)))
+        self.models[context] = _adapted(p, seen, bit)
         return bit
 
 
