@@ -25,7 +25,7 @@ class PixelRepeats {
   bool code(int64_t y, int64_t x, const IsEqual &is_equal, int64_t &found) {
     found = -1;
     look(y, x);
-    if (!count_ || chance_->probability <= (usual_.probability > kGraphic ? kLeastInGraphics : kLeast)) return true;
+    if (!count_ || chance_->probability <= (is_graphic_ ? kLeastInGraphics : kLeast)) return true;
     for (int rank = 0; rank < count_; ++rank) {
       int is_hit = is_equal(candidates_[size_t(rank)].number);
       if (!code_hit(y, x, rank, is_hit)) return false;
@@ -52,8 +52,10 @@ class PixelRepeats {
       const bool is_hit = std::any_of(candidates_.begin(), candidates_.begin() + count_,
                                       [&](const Candidate &candidate) { return candidate.colour == colour; });
       adapt(*chance_, is_hit), adapt(usual_, is_hit);
+    } else if (is_odd()) {
+      adapt(usual_, 0);
     }
-    if (!are_asked_) return;
+    if (!is_graphic_) return;
     for (Seen *seen : {&seen_far(), &seen_near()}) {
       const bool is_same = seen->last.number >= 0 && seen->last.colour == colour;
       if (!is_same) seen->before = seen->last;
@@ -69,9 +71,9 @@ class PixelRepeats {
   static constexpr std::array<uint32_t, 3> kFirst{kMost * kSources * kTimes, kMost * (kSources * kTimes + kPatterns),
                                                   kMost * (kSources * kTimes + kPatterns) + (1u << kHashBits)};
   static constexpr uint32_t kModels = kFirst[2] + kMost * kHits, kSets = kMost * kSources * kPatterns;
-  // A hit that is less likely is not coded, by where many pixels are hit, as in text, and where they are not; tables
-  // serve where not too few are.
-  static constexpr uint32_t kGraphic = 30000, kLeastInGraphics = 2000, kLeast = 40000, kLeastForTables = 10000;
+  // Where more pixels than that are hit, as in text, tables serve. A hit that is less likely is not coded, there and
+  // elsewhere.
+  static constexpr uint32_t kGraphic = 30000, kLeastInGraphics = 2000, kLeast = 40000;
   static constexpr BitModel kUnknown{kCertain / 2, 0};
 
   // What is known of a pixel: its colour, and which candidate it was from 1 on, kMost + 1 for none; 0: not asked.
@@ -112,21 +114,25 @@ class PixelRepeats {
     pattern_ = uint32_t(w == n) | uint32_t(w == nw) << 1 | uint32_t(n == ne) << 2 | uint32_t(n == nw) << 3 |
                uint32_t(w == ww) << 4 | uint32_t(n == nn) << 5;
     hit_ = 0, count_ = 0, times_ = 0;
-    are_asked_ = usual_.probability > kLeastForTables;
-    if (are_asked_) hash(here);
+    is_graphic_ = usual_.probability > kGraphic;
+    if (is_odd()) return;
+    if (is_graphic_) hash(here);
     const Seen &far = seen_far(), &near = seen_near();
-    if (are_asked_) {
+    if (is_graphic_) {
       times_ = uint32_t(std::min(far.times, 7)) * 8 + uint32_t(std::min(near.times, 7));
       add(far.last.number, far.last.colour, 0);
       add(near.last.number, near.last.colour, 1);
     }
     const auto number = int32_t(y * width_ + x);
     if (x) add(number - 1, w, 2);
-    if (are_asked_) add(near.before.number, near.before.colour, 3);
+    if (is_graphic_) add(near.before.number, near.before.colour, 3);
     if (y) add(number - int32_t(width_), n, 4);
     if (y && x < width_ - 1) add(number - int32_t(width_) + 1, ne, 5);
     if (count_) chance_ = &chances_[(candidates_[0].source * kTimes + times_) * kPatterns + pattern_];
   }
+
+  // Whether the pixel has no candidates because this is no text and none of its neighbours are alike.
+  bool is_odd() const { return !is_graphic_ && !pattern_; }
 
   // Finds the hashes of what is around a pixel.
   void hash(const Around *here) {
@@ -148,7 +154,7 @@ class PixelRepeats {
 
   bool code_hit(int64_t y, int64_t x, int rank, int &is_hit) {
     const Around *here = &around_[size_t(place(y, x))];
-    if (!are_asked_ && !rank) hash(here);  // else that was done
+    if (!is_graphic_ && !rank) hash(here);  // else that was done
     const uint32_t hits =
         ((uint32_t(here[-1].hit) * 7 + here[-stride_].hit) * 7 + here[-stride_ + 1].hit) * 7 + here[-stride_ - 1].hit;
     const auto number = uint32_t(rank);
@@ -171,7 +177,7 @@ class PixelRepeats {
   // Of the pixel that was looked at last:
   std::array<Candidate, kMost> candidates_;
   int count_ = 0;
-  bool are_asked_ = false;  // the tables
+  bool is_graphic_ = false;
   BitModel *chance_ = nullptr;
   uint32_t far_hash_ = 0, near_hash_ = 0, pattern_ = 0, times_ = 0;
   uint8_t hit_ = 0;

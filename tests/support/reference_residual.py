@@ -174,7 +174,8 @@ class _Repeats:
         equal = [w == n, w == nw, n == ne, n == nw, w == ww, n == nn]
         alike = sum(1 << i for i, one in enumerate(equal) if one)
         self.places = [self.far.setdefault(far >> 16, _Seen()), self.near.setdefault(near >> 16, _Seen())]
-        if self.all[0] <= 10000:
+        is_graphic = self.all[0] > 30000
+        if not is_graphic:
             self.places = []
         seen = [(place.last, place.before, min(7, place.times)) for place in self.places] or [(None, None, 0)] * 2
         times = [one[2] for one in seen]
@@ -186,11 +187,12 @@ class _Repeats:
         for source, pixel in enumerate(sources):
             if pixel is not None and len(found) < 5 and pixel[1] not in [colour for _, colour, _ in found]:
                 found.append((*pixel, source))
-        self.hit, self.candidates = 0, found if is_coded else []
+        self.is_odd = not is_graphic and alike == 0
+        self.hit, self.candidates = 0, found if is_coded and not self.is_odd else []
         if not self.candidates:
             return None
         self.chance = (found[0][2], 8 * times[0] + times[1], alike)
-        if self.chances.get(self.chance, (32768, 0))[0] <= (2000 if self.all[0] > 30000 else 40000):
+        if self.chances.get(self.chance, (32768, 0))[0] <= (2000 if is_graphic else 40000):
             return None
         digits = [self.hits[y + 2, x + 1], self.hits[y + 1, x + 2], self.hits[y + 1, x + 3], self.hits[y + 1, x + 1]]
         hits = int("".join(map(str, digits)), 7)
@@ -217,6 +219,8 @@ class _Repeats:
             is_hit = colour in [one for _, one, _ in self.candidates]
             self.chances[self.chance] = _adapted(*self.chances.get(self.chance, (32768, 0)), is_hit)
             self.all = _adapted(*self.all, is_hit)
+        elif self.is_odd:
+            self.all = _adapted(*self.all, 0)
         for place in self.places:
             if place.last is not None and place.last[1] == colour:
                 place.times = min(8, place.times + 1)
