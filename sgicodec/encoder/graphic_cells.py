@@ -45,8 +45,9 @@ _MAX_WEAK, _LEAST_EDGES, _SHARP = 0.1, 0.5, 8
 """Of pixels of a cell that are weak; of novel pixels of an area, of pixels of a cell, that are edges: of text."""
 _LEAST_CELLS, _LEAST_SHARP = 16, 4
 """Of an area: cells, and those that are sharp."""
-_FEW_COLOURS, _MOST_CELLS = 32, 0.5
-"""Where no more colours than these are in more of a picture's cells, faint edges are drawn on purpose."""
+_FEW_COLOURS, _LEAST_CONTRAST, _INK, _LEAST_INK = 32, 8, 0.75, 0.1
+"""Of an area of a block whose faint edges are drawn on purpose: its colours; the farthest one from its usual one, in
+levels; of that distance, where ink begins; of pixels that are not of the usual colour, those that are ink."""
 
 
 class CellCounts(NamedTuple):
@@ -64,42 +65,34 @@ class CellSurvey:
         self._level = level_of(header)
         shape = cells_shape(header.width, header.height)
         self._counts = CellCounts(*np.zeros((3, *shape), np.int_))
-        self._colours: NDArray[np.int64] = np.zeros(0, np.int64)
+        self._faint: Cells = np.zeros(shape, np.bool_)
 
     def see(self, rect: Rect, pixels: NDArray[Any]) -> None:
         """A block of the picture, whose corners are those of cells."""
         at = cells_in(rect)
-        counts, differs = _counted(pixels, self._level)
+        counts = _counted(pixels, self._level)
         for known, found in zip(self._counts, counts, strict=True):
             known[at] = found
-        if len(self._colours) <= _FEW_COLOURS:
-            repeat = pixels_in_cells(_repeat(counts.novel), pixels.shape)
-            self._colours = np.union1d(self._colours, colour_keys(pixels[repeat & differs]))
-
-    @property
-    def _are_few(self) -> bool:
-        return len(self._colours) <= _FEW_COLOURS and bool(_repeat(self._counts.novel).mean() > _MOST_CELLS)
+        self._faint[at] = _drawn_in_few_colours(pixels, _repeat(counts.novel), self._level)
 
     def graphic(self) -> Cells:
         """Which cells are."""
         novel, edges, weak = self._counts
-        found = _repeat(novel)
-        if not self._are_few:
-            found &= weak <= _MAX_WEAK * CELL * CELL
+        found = _repeat(novel) & ((weak <= _MAX_WEAK * CELL * CELL) | self._faint)
         found |= (novel < _NOVEL_INSIDE * CELL * CELL) & (_sides(found) >= _SIDES_INSIDE)
         areas = _areas(found)
-        size, of_novel, of_edges, sharp = (
+        size, of_novel, of_edges, sharp, faint = (
             np.bincount(areas.ravel(), weights.ravel(), minlength=found.size + 1)
-            for weights in (found, novel, edges, edges >= _SHARP)
+            for weights in (found, novel, edges, edges >= _SHARP, self._faint)
         )
-        is_kept = (of_edges >= _LEAST_EDGES * of_novel) & (sharp >= _LEAST_SHARP) | self._are_few
+        is_kept = (of_edges >= _LEAST_EDGES * of_novel) & (sharp >= _LEAST_SHARP) | (faint >= 0.5 * size)
         is_kept &= size >= _LEAST_CELLS
         kept: Cells = found & is_kept[areas]
         return kept
 
     def edges(self, cells: Cells) -> int:
         """Pixels of these cells that a lossy picture spends bits on: edges; all novel ones where colours are few."""
-        counted = self._counts.novel if self._are_few else self._counts.edges
+        counted = np.where(self._faint, self._counts.novel, self._counts.edges)
         return int(counted[cells].sum())
 
 
@@ -196,6 +189,23 @@ def _repeat(novel: NDArray[np.int_]) -> Cells:
     return found
 
 
+def _drawn_in_few_colours(pixels: NDArray[Any], cells: Cells, level: float) -> Cells:
+    """Which of these cells of a block lie in areas of few colours: a ground, an ink, and what lies between them."""
+    areas = _areas(cells)
+    found: Cells = np.zeros_like(cells)
+    for number in np.flatnonzero(np.bincount(areas.ravel())[1:] >= _LEAST_CELLS) + 1:
+        area = areas == number
+        inside = pixels[pixels_in_cells(area, pixels.shape)]
+        _, first, times = np.unique(colour_keys(inside), return_index=True, return_counts=True)
+        if len(times) > _FEW_COLOURS:
+            continue
+        colours = inside[first].astype(np.float64)
+        far = np.abs(colours - colours[times.argmax()]).max(axis=1) / level
+        ink = times[far >= _INK * far.max()].sum()
+        found |= area & (far.max() >= _LEAST_CONTRAST and ink >= _LEAST_INK * times[far > 0].sum())
+    return found
+
+
 def _steps(pixels: NDArray[Any]) -> tuple[NDArray[np.int_], NDArray[np.int_]]:
     """How far each pixel [h, w, C] is from the one to its left, and from the one above: in its furthest channel."""
     wide = np.int16 if pixels.dtype == np.uint8 else np.int32
@@ -216,15 +226,13 @@ def _beside_edges(pixels: NDArray[Any], least: float) -> Cells:
     return found
 
 
-def _counted(pixels: NDArray[Any], level: float) -> tuple[CellCounts, Cells]:
-    """Counts of the cells of a block, and which of its pixels differ from the one to their left."""
+def _counted(pixels: NDArray[Any], level: float) -> CellCounts:
+    """Counts of the cells of a block."""
     across, down = _steps(pixels)
     is_novel = (across > 0) & (down > 0)
     is_edge = is_novel & (np.maximum(across, down) >= _EDGE * level)
     is_weak = is_novel & (np.minimum(across, down) <= _WEAK * level)
-    differs = across > 0
-    differs[:, 0] = True
-    return CellCounts(*map(_in_cells, (is_novel, is_edge, is_weak))), differs
+    return CellCounts(*map(_in_cells, (is_novel, is_edge, is_weak)))
 
 
 def _in_cells(pixels: Cells) -> NDArray[np.int_]:

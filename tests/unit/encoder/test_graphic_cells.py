@@ -60,6 +60,19 @@ def test_text_is_found_and_noise_is_not() -> None:
     np.testing.assert_array_equal(found_in(mixed), np.repeat([[True] * 6 + [False] * 6], 12, axis=0))
 
 
+def test_faint_text_beside_noise_is_found() -> None:
+    mixed = noise()
+    mixed[HALF] = bars(188, 200)[HALF]
+    np.testing.assert_array_equal(found_in(mixed), np.repeat([[True] * 6 + [False] * 6], 12, axis=0))
+
+
+def test_a_clipped_sky_is_none() -> None:
+    """White, and the rarer the darker: as few colours as faint text, but no ink."""
+    dark = np.minimum(np.random.default_rng(5).geometric(0.6, (SIDE, SIDE, 1)) - 1, 12)
+    assert len(np.unique(dark)) > 8
+    assert not found_in(np.repeat(255 - dark, 3, axis=2).astype(np.uint8)).any()
+
+
 def test_a_ramp_is_none() -> None:
     y, x = np.mgrid[:SIDE, :SIDE]
     ramp = np.repeat(((x + y) // 2)[..., None], 3, axis=2).astype(np.uint8)
