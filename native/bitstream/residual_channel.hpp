@@ -29,7 +29,7 @@ class ResidualChannel {
   // place: how many channels are coded before this one.
   ResidualChannel(int place, const ResidualGrid &grid, int64_t width, const PredictorKernel &kernel)
       : most(grid.most), max_error(grid.max_error), step(2 * grid.max_error + 1),
-        scale(std::max(0, 24 - __builtin_clz(uint32_t(grid.most) | 1))), place(place), stride(width + 2 * kPad),
+        scale(std::max(0, 28 - __builtin_clz(uint32_t(grid.most) | 1))), place(place), stride(width + 2 * kPad),
         width_(width), known_(size_t((1 + kPad) * stride)), predictor_(kernel, width, prior(place)) {}
 
   // What is known at a column of the row that is coded; `stride` before it, of the row above.
@@ -83,7 +83,7 @@ class ResidualChannel {
   int32_t drawn() const { return drawn_; }
 
   const int32_t most, max_error, step;  // the largest value; by how much one may be off; between those that are coded
-  const int scale;                      // bits of a value below its first eight
+  const int scale;                      // bits of a value below its first four
   const int place;
   const int64_t stride;  // values of a row
 

@@ -12,8 +12,8 @@ namespace sgi {
 
 constexpr int kResidualNodes = 16;    // bits of a value that have models of their own; one is not in use
 constexpr int kResidualSpreads = 16;  // classes of spread that have weights of their own
-constexpr std::array<uint32_t, ResidualModels::kMixed> kResidualContexts{3872, 2048, 1248, 1248};
-constexpr uint32_t kResidualModels = (3872 + 2048 + 1248 + 1248) * kResidualNodes;
+constexpr std::array<uint32_t, ResidualModels::kMixed> kResidualContexts{2048, 128, 1248, 1248};
+constexpr uint32_t kResidualModels = (2048 + 128 + 1248 + 1248) * kResidualNodes;
 
 // A prediction in sixteenths, as the nearest value and the rest.
 struct Predicted {
@@ -57,7 +57,7 @@ class ResidualContexts {
   }
 
  private:
-  static constexpr uint32_t kLevels = 11;
+  static constexpr uint32_t kLevels = 8;
 
   struct Guess {
     int32_t value;

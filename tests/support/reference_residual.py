@@ -312,7 +312,7 @@ class _Channel:
         spread, numbers = self.context(channels, v, j, middle)
         for i, (guess, kind) in enumerate(guesses):
             place = min(6, max(-6, self.steps(guess - middle))) + 6
-            numbers.append((5920, 7168)[i] + ((place * 4 + kind) * 12 + self.doubt(i, v, j)) * 2 + (f >= 0))
+            numbers.append((2176, 3424)[i] + ((place * 4 + kind) * 12 + self.doubt(i, v, j)) * 2 + (f >= 0))
 
         def coded(node: int) -> int:
             return models.bit(code, [16 * number + node for number in numbers], 16 * _size(spread, 0, 16) + node)
@@ -384,8 +384,8 @@ class _Channel:
         s = near if k == 0 else (10 * near + 3 * b + 3 * c) // 16
         s5 = _size(s, 1, 32)
         return s, [
-            (s5 * 11 + _size(b // 4, 0, 11)) * 11 + _size(c // 4, 0, 11),
-            3872 + 8 * (middle >> max(0, self.largest.bit_length() - 8)) + min(7, s5 // 2),
+            (s5 * 8 + _size(b // 4, 0, 8)) * 8 + _size(c // 4, 0, 8),
+            2048 + 8 * (middle >> max(0, self.largest.bit_length() - 4)) + min(7, s5 // 2),
         ]
 
 
