@@ -13,7 +13,11 @@ namespace sgi {
 constexpr int kResidualNodes = 16;    // bits of a value that have models of their own; one is not in use
 constexpr int kResidualSpreads = 16;  // classes of spread that have weights of their own
 constexpr std::array<uint32_t, ResidualModels::kMixed> kResidualContexts{2048, 128, 1248, 1248};
-constexpr uint32_t kResidualModels = (2048 + 128 + 1248 + 1248) * kResidualNodes;
+constexpr uint32_t kResidualModels = [] {
+  uint32_t contexts = 0;
+  for (const uint32_t count : kResidualContexts) contexts += count;
+  return contexts * kResidualNodes;
+}();
 
 // A prediction in sixteenths, as the nearest value and the rest.
 struct Predicted {
