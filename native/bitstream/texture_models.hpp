@@ -17,7 +17,6 @@ constexpr int kWeightLimit = 1 << 20;  // either way
 constexpr int kMaxMixed = 4;  // models that one bit has
 
 using MixedIntegers = int32_t __attribute__((vector_size(4 * kMaxMixed)));
-using MixedNaturals = uint32_t __attribute__((vector_size(4 * kMaxMixed)));
 
 // P(1) in 2^-16, and how many bits the model has seen, up to a limit.
 struct BitModel {
@@ -120,18 +119,7 @@ inline void BitModels::update_by(const Numbers &numbers, const BitContext &conte
     weights = weights > -kWeightLimit ? weights : MixedIntegers{} - kWeightLimit;
     std::memcpy(&weights_[set * kMaxMixed], &weights, sizeof weights);
   }
-  const auto probability = [&](int i) { return uint32_t(models_[numbers[i]].probability); };
-  const auto rate_of = [&](int i) { return uint32_t(kBitTables.rate[models_[numbers[i]].seen]); };
-  const MixedNaturals old{probability(0), probability(1), probability(2), probability(3)};
-  const MixedNaturals rate{rate_of(0), rate_of(1), rate_of(2), rate_of(3)};
-  const MixedNaturals far = bit ? kCertain - 1 - old : old;
-  const MixedNaturals step = (far * rate + (bit ? 0u : 0xffffu)) >> 16;  // downwards rounded up
-  const MixedNaturals found = bit ? old + step : old - step;
-  for (int i = 0; i < kMaxMixed; ++i) {
-    BitModel &model = models_[numbers[i]];
-    model.probability = uint16_t(found[i]);
-    model.seen = uint8_t(model.seen + (model.seen < kSeenLimit));
-  }
+  for (const uint32_t number : numbers) adapt(models_[number], bit);
 }
 
 }  // namespace sgi
