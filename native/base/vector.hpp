@@ -37,6 +37,17 @@ inline vf load(const float *p) {
 }
 inline void store(float *p, vf v) { std::memcpy(p, &v, sizeof v); }
 inline float lane(vf v, int i) { return v[i]; }
+
+constexpr int kDoubles = LANES / 2;  // in a vector
+using vd = double __attribute__((vector_size(kDoubles * 8)));
+
+inline vd load(const double *p) {
+  vd v;
+  std::memcpy(&v, p, sizeof v);
+  return v;
+}
+inline void store(double *p, vd v) { std::memcpy(p, &v, sizeof v); }
+
 template <class V, class T>
 inline void set_lane(V &v, int i, T value) {
   v[i] = value;

@@ -165,8 +165,7 @@ void bind_decoder(nb::module_ &m) {
                    "sample_type: str, mapped: bool, exact: bool, dither: bool, lossy: bool) -> numpy.typing.NDArray"),
            "Samples [rows, columns, C] of a view (x, y, sx, sy, columns, rows) from its row `top` on. numpy is not "
            "needed before they are drawn.")
-      .def("check_exact", &sgi::Stream::check_exact, Released(),
-           "Decodes all of a residual layer and checks its chunk.")
+      .def("check_residual", &sgi::Stream::check_residual, Released(), "The CRC of the residual layer's chunk.")
       .def("survey", &survey, "Seeds, bytes of parts in their order, bytes of masks, checksum, cells of texture.");
   m.def("levels", &levels, "width"_a, "height"_a, "Width, height and downsampling of the levels of a pyramid.");
   m.def(

@@ -6,19 +6,9 @@ namespace sgi {
 namespace {
 
 constexpr int kRow = kPredictorRow;
-constexpr int kWide = LANES / 2;      // doubles in a vector
 constexpr double kBeside = 0.6;       // weight of the segments to the left and to the right
 constexpr double kRidge = 4;          // by how much weights are drawn to the prior
 constexpr double kLeastPivot = 1e-6;  // of an input's own sum; one that adds less to those before gets no weight
-
-using vd = double __attribute__((vector_size(kWide * 8)));
-
-inline vd load_doubles(const double *p) {
-  vd v;
-  std::memcpy(&v, p, sizeof v);
-  return v;
-}
-inline void store_doubles(double *p, vd v) { std::memcpy(p, &v, sizeof v); }
 
 // Adds products to rows from `begin` to `end`, from column `first` on.
 template <int first>
@@ -36,7 +26,7 @@ inline void add_rows(float *sums, const float *values, float weight, int begin, 
 
 void add_products(float *sums, const float *values, float weight, int inputs) {
   constexpr int kHalf = kRow / 2;
-  add_rows<0>(sums, values, weight, 0, inputs + 1 < kHalf ? inputs + 1 : kHalf);
+  add_rows<0>(sums, values, weight, 0, inputs < kHalf ? inputs + 1 : kHalf);
   add_rows<kHalf>(sums, values, weight, kHalf, inputs + 1);
 }
 
@@ -45,9 +35,9 @@ void solve_weights(const float *own, const float *left, const float *right, cons
                    double *weights) {
   alignas(64) double matrix[kPredictorInputs * kRow], shares[kPredictorInputs * kRow], found[kRow]{};
   double least[kPredictorInputs];
-  const int end = (inputs & -kWide) + kWide;
+  const int end = (inputs & -kDoubles) + kDoubles;
   for (int i = 0; i < inputs; ++i)
-    for (int j = i & -kWide; j < end; ++j) {
+    for (int j = i & -kDoubles; j < end; ++j) {
       const int at = i * kRow + j;
       matrix[at] = double(own[at]) + kBeside * (double(left[at]) + double(right[at]));
     }
@@ -64,8 +54,7 @@ void solve_weights(const float *own, const float *left, const float *right, cons
       const double share = row[i] * inverse;
       shares[i * kRow + k] = share;
       double *below = matrix + i * kRow;
-      for (int j = i & -kWide; j < end; j += kWide)
-        store_doubles(below + j, load_doubles(below + j) - share * load_doubles(row + j));
+      for (int j = i & -kDoubles; j < end; j += kDoubles) store(below + j, load(below + j) - share * load(row + j));
     }
     found[k] = row[inputs] * inverse;
   }

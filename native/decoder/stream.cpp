@@ -166,10 +166,15 @@ double Stream::max_error() {
   return blocks && !blocks->has_cells() ? blocks->max_error() : -1;
 }
 
+void Stream::check_residual() {
+  const Lock lock(parts_->turn);
+  parts_->chunks.check_residual();
+}
+
 void Stream::check_exact() {
   const Lock lock(parts_->turn);
   if (!exact_blocks()) return;
-  parts_->chunks.check_residual();
+  check_residual();
   constexpr int64_t kSamples = int64_t(1) << 24;  // at a time, or a block
   const Output own = own_output(header());
   const int64_t pixel = header().spec.channels * SampleFormat(header(), own, std::nullopt).sample_bytes();

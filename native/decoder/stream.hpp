@@ -53,7 +53,9 @@ class Stream {
   // By how much samples are off the source's at most where the residual layer is drawn; -1 where there is none, or one
   // of some cells alone.
   double max_error();
-  // Decodes all of the residual layer, if there is one. Throws Error for one that is not sound.
+  // Checks the CRC of the residual layer's chunk, if there is one, which no view does. Throws Error for a wrong one.
+  void check_residual();
+  // The same, and decodes all of the layer. Throws Error for one that is not sound.
   void check_exact();
   // Whether views at any scale and in any type are made from what the residual layer makes exact.
   bool has_exact_views();

@@ -3,19 +3,14 @@
 #include <immintrin.h>
 #endif
 
+#include "base/vector.hpp"
 #include "model/neighbour_kernel.hpp"
 
 namespace sgi {
 namespace {
 
-constexpr int kLanes = LANES / 2, kParts = kQueries / kLanes;
-using vd = double __attribute__((vector_size(kLanes * 8)));
+constexpr int kParts = kQueries / kDoubles;
 
-inline vd load(const double *p) {
-  vd v;
-  __builtin_memcpy(&v, p, sizeof v);
-  return v;
-}
 inline vd least(vd a, vd b) { return a < b ? a : b; }
 inline vd greatest(vd a, vd b) { return a > b ? a : b; }
 inline double greatest(double a, double b) { return a > b ? a : b; }
@@ -30,7 +25,7 @@ inline uint32_t is_less(vd a, vd b) {
   return uint32_t(_mm_movemask_pd(_mm_cmplt_pd((__m128d)a, (__m128d)b)));
 #else
   uint32_t mask = 0;
-  for (int i = 0; i < kLanes; ++i) mask |= uint32_t(a[i] < b[i]) << i;
+  for (int i = 0; i < kDoubles; ++i) mask |= uint32_t(a[i] < b[i]) << i;
   return mask;
 #endif
 }
@@ -61,7 +56,7 @@ inline uint32_t near_boxes(const Queries &of, const double *boxes, double *dista
   const vd x0 = vd{} + of.x0, y0 = vd{} + of.y0, x1 = vd{} + of.x1, y1 = vd{} + of.y1;
   const vd x = (x0 + x1) * 0.5, y = (y0 + y1) * 0.5;
   uint32_t mask = 0;
-  for (int i = 0; i < kRun; i += kLanes) {
+  for (int i = 0; i < kRun; i += kDoubles) {
     const vd left = load(boxes + i), top = load(boxes + kRun + i), right = load(boxes + 2 * kRun + i),
              bottom = load(boxes + 3 * kRun + i);
     const vd square = gap(left, right, x0, x1) + gap(top, bottom, y0, y1);
@@ -76,7 +71,7 @@ inline uint32_t near_boxes(const Queries &of, const double *boxes, double *dista
 inline bool is_wanted(const Queries &of, const double *box) {
   const double *last = of.keys + (kMaxNeighbours - 1) * kQueries;
   uint32_t wanted = 0;
-  for (int q = 0; q < kQueries; q += kLanes) {
+  for (int q = 0; q < kQueries; q += kDoubles) {
     const vd x = load(of.x + q), y = load(of.y + q);
     const vd square =
         gap(vd{} + box[0], vd{} + box[2 * kRun], x, x) + gap(vd{} + box[kRun], vd{} + box[3 * kRun], y, y);
@@ -89,8 +84,8 @@ inline bool is_wanted(const Queries &of, const double *box) {
 inline void look(Queries &of, int64_t leaf) {
   const double *points = of.runs.points + leaf * 2 * kRun;
   for (int part = 0; part < kParts; ++part) {
-    double *keys = of.keys + part * kLanes;
-    const vd x = load(of.x + part * kLanes), y = load(of.y + part * kLanes);
+    double *keys = of.keys + part * kDoubles;
+    const vd x = load(of.x + part * kDoubles), y = load(of.y + part * kDoubles);
     vd sorted[kMaxNeighbours];
     for (int j = 0; j < kMaxNeighbours; ++j) sorted[j] = load(keys + j * kQueries);
     for (int i = 0; i < kRun; ++i) {

@@ -71,10 +71,12 @@ def _draw(stream: Stream) -> None:
 
     if stream.grid.count == 1 and stream.survey().part_bytes.keys() <= {"mask"}:
         return  # no pixel holds anything, however many there are
-    stream.check_exact()
+    stream.check_residual()
     rows = max(1, _BAND_SAMPLES // (stream.width * stream.header.spec.channels))
     for top in range(0, stream.height, rows):
         region = (0, top, stream.width, min(rows, stream.height - top))
+        if stream.max_error is not None:
+            stream.picture(region)  # through the residual layer
         band = stream.render(region)
         if not np.isfinite(band).all():
             raise CorruptStreamError(f"there are samples without a value in rows {top} to {top + len(band) - 1}")

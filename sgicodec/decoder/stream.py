@@ -197,9 +197,9 @@ class Stream(ArrayView):
         """Decodes all tiles. Raises CorruptStreamError or LimitError."""
         return survey_of(self._open_native(), self.header.masked is not None)
 
-    def check_exact(self) -> None:
-        """Decodes all of a residual layer, if there is one. Raises CorruptStreamError or LimitError."""
-        self._open_native().check_exact()
+    def check_residual(self) -> None:
+        """Checks the CRC of a residual layer's chunk, if any, which no view does. Raises CorruptStreamError."""
+        self._open_native().check_residual()
 
     def render(self, region: Region | None = None, scale: float | None = None, size: Size | None = None) -> F32:
         """Samples [h, w, C] of a region (x, y, width, height in the picture's pixels), nominally 0..1, not clipped.

@@ -45,9 +45,10 @@ _MAX_WEAK, _LEAST_EDGES, _SHARP = 0.1, 0.5, 8
 """Of pixels of a cell that are weak; of novel pixels of an area, of pixels of a cell, that are edges: of text."""
 _LEAST_CELLS, _LEAST_SHARP = 16, 4
 """Of an area: cells, and those that are sharp."""
-_FEW_COLOURS, _LEAST_CONTRAST, _INK, _LEAST_INK = 32, 8, 0.75, 0.1
+_FEW_COLOURS, _LEAST_CONTRAST, _INK, _LEAST_INK, _LEAST_FAINT = 32, 8, 0.75, 0.1, 0.5
 """Of an area of a block whose faint edges are drawn on purpose: its colours; the farthest one from its usual one, in
-levels; of that distance, where ink begins; of pixels that are not of the usual colour, those that are ink."""
+levels; of that distance, where ink begins; of pixels that are not of the usual colour, those that are ink. Then of an
+area of the picture, the cells that are of such ones."""
 
 
 class CellCounts(NamedTuple):
@@ -85,7 +86,7 @@ class CellSurvey:
             np.bincount(areas.ravel(), weights.ravel(), minlength=found.size + 1)
             for weights in (found, novel, edges, edges >= _SHARP, self._faint)
         )
-        is_kept = (of_edges >= _LEAST_EDGES * of_novel) & (sharp >= _LEAST_SHARP) | (faint >= 0.5 * size)
+        is_kept = (of_edges >= _LEAST_EDGES * of_novel) & (sharp >= _LEAST_SHARP) | (faint >= _LEAST_FAINT * size)
         is_kept &= size >= _LEAST_CELLS
         kept: Cells = found & is_kept[areas]
         return kept
