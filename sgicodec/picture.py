@@ -136,6 +136,8 @@ def nodata_samples(picture: Picture) -> npt.NDArray[np.bool_]:
 
 def nodata_mask(picture: Picture) -> npt.NDArray[np.bool_]:
     """Which pixels [H, W] were not measured: those whose colour samples all have the nodata value."""
+    if picture.nodata is None:
+        return np.zeros(picture.pixels.shape[:2], np.bool_)
     return np.asarray(nodata_samples(picture).all(axis=-1))
 
 

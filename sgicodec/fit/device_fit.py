@@ -13,7 +13,6 @@ from sgicodec.fit.adam import Adam
 from sgicodec.fit.device_seeds import energy_of, moved, residual_sums
 from sgicodec.fit.device_step import DeviceStep, StepKind
 from sgicodec.fit.fused_step import REFRESH, ROUNDINGS, FusedStep, Reuse, reuse_of
-from sgicodec.fit.initialization import cell_means
 from sgicodec.fit.noise import NoiseKey
 from sgicodec.fit.parameters import Parameters
 from sgicodec.fit.pyramid import Level
@@ -66,12 +65,10 @@ class DeviceFit:
         self._step.adopt(trained)
         self.age = 0
 
-    def energy(self, weights: F32 | None) -> F32:
+    def energy(self) -> F32:
         """`SeedSet.energy` of the values of now."""
         self.gpu.use()
-        layout = self.parameters.seeds.layout
-        energy = energy_of(self.gpu, *self._held.exact_gaussians(), len(layout))
-        return energy if weights is None else energy * cell_means(weights[None], layout)[:, 0]
+        return energy_of(self.gpu, *self._held.exact_gaussians(), len(self.parameters.seeds))
 
     def residual_sums(self, level: Level) -> CellSums:
         """`cell_sums` of what the values of now lack of a level at full scale, but for the squares."""

@@ -34,7 +34,7 @@ class Trained(NamedTuple):
 
 
 def energy_of(gpu: Gpu, covariances: GpuArray, colours: GpuArray, seeds: int) -> F32:
-    """`SeedSet.energy` without weights, of Gaussians [N, 3] and [N, C]: 4 bytes a seed come back."""
+    """`SeedSet.energy` of Gaussians [N, 3] and [N, C]: 4 bytes a seed come back."""
     energy = gpu.array(seeds)
     given = structures()["EnergyArguments"](
         covariances=covariances.address,

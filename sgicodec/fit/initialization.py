@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 
 from sgicodec.model.distinct import distinct
 from sgicodec.model.gaussians import colour_matrix, decoder_shapes
-from sgicodec.model.layout import SeedLayout, cell_sums
+from sgicodec.model.layout import ROOT_LOG, SeedLayout, cell_sums
 from sgicodec.model.spec import ModelSpec
 
-__all__ = ["cell_means", "fresh_decoders", "fresh_values"]
+__all__ = ["CellMeans", "fresh_decoders", "fresh_values"]
 
 F32 = NDArray[np.float32]
 
@@ -66,15 +66,20 @@ def fresh_decoders(spec: ModelSpec, rng: np.random.Generator) -> dict[str, F32]:
     return decoders
 
 
-def cell_means(target: F32, layout: SeedLayout) -> F32:
-    """Mean of `target` [C, H, W] over each seed's cell, as far as it lies in the picture [N, C]."""
-    channels, height, width = target.shape
-    sums = cell_sums(target, max(int(layout.log_size.max(initial=1)), 1)).values
-    corner, side = layout.corner.astype(np.int64), layout.cell.astype(np.int64)
-    means = np.empty((len(layout), channels), np.float64)
-    for level in distinct(layout.log_size).tolist():
-        here = layout.log_size == level
-        x, y = (corner[here] >> level).T
-        means[here] = (sums[level] if level else target)[:, y, x].T
-    inside = np.minimum(corner + side[:, None], (width, height)) - corner
-    return np.asarray(means / inside.prod(axis=1)[:, None], np.float32)
+class CellMeans:
+    """Means of planes [C, H, W] over the cells of seeds."""
+
+    def __init__(self, planes: F32) -> None:
+        self._planes, self._sums = planes, cell_sums(planes, ROOT_LOG).values
+
+    def of(self, layout: SeedLayout) -> F32:
+        """Means over each seed's cell, as far as it lies in the picture [N, C]."""
+        channels, height, width = self._planes.shape
+        corner, side = layout.corner.astype(np.int64), layout.cell.astype(np.int64)
+        means = np.empty((len(layout), channels), np.float64)
+        for level in distinct(layout.log_size).tolist():
+            here = layout.log_size == level
+            x, y = (corner[here] >> level).T
+            means[here] = (self._sums[level] if level else self._planes)[:, y, x].T
+        inside = np.minimum(corner + side[:, None], (width, height)) - corner
+        return np.asarray(means / inside.prod(axis=1)[:, None], np.float32)

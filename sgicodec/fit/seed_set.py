@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from sgicodec.device import Device
 from sgicodec.fit.adam import Adam
-from sgicodec.fit.initialization import cell_means, fresh_decoders, fresh_values
+from sgicodec.fit.initialization import CellMeans, fresh_decoders, fresh_values
 from sgicodec.fit.weight_bits import decoder_shift
 from sgicodec.model.gaussians import decoder_parts, model_gaussians
 from sgicodec.model.layout import SeedLayout
@@ -41,7 +41,7 @@ class SeedSet:
     ) -> None:
         self.spec, self.layout, self._device = spec, layout, device
         self._pixels = target.shape[1] * target.shape[2]
-        self.values = self._fresh(cell_means(target, layout))
+        self.values = self._fresh(CellMeans(target).of(layout))
         self.decoder_weights: F32 = np.concatenate(
             [np.zeros(0, np.float32), *(weights.reshape(-1) for weights in fresh_decoders(spec, rng).values())]
         )
@@ -71,16 +71,14 @@ class SeedSet:
         """Means [N·K, 2], covariances [N·K, 3] and colours [N·K, C] of the exact values."""
         return model_gaussians(self.spec, self.attributes(), self.layout, self.decoders, self._device)
 
-    def energy(self, weights: F32 | None = None) -> F32:
-        """Squared samples that the Gaussians of each seed would draw alone, over the plane [N], times the mean of
-        weights [H, W] in the seed's cell.
-        """
+    def energy(self) -> F32:
+        """Squared samples that the Gaussians of each seed would draw alone, over the plane [N]."""
         _, covariances, colours = self.gaussians()
         determinant = covariances[:, 0] * covariances[:, 2] - covariances[:, 1] ** 2
         spread = np.sqrt(np.maximum(determinant, np.float32(1e-9)))
         energy = math.pi * spread * (colours**2).sum(axis=1)  # of c·G
         total: F32 = energy.reshape(len(self), -1).sum(axis=1)
-        return total if weights is None else total * cell_means(weights[None], self.layout)[:, 0]
+        return total
 
     def keep(self, kept: NDArray[np.bool_], adam: Adam) -> None:
         """Drops all seeds but those where `kept` [N] holds, and what `adam` knows of them."""

@@ -15,6 +15,7 @@ from sgicodec.fit.adam import Adam
 from sgicodec.fit.context_weights import ContextWeights
 from sgicodec.fit.densification import worthwhile_cells
 from sgicodec.fit.gradient_steps import gradient_step_of
+from sgicodec.fit.initialization import CellMeans
 from sgicodec.fit.parameters import Parameters, learning_rate_of
 from sgicodec.fit.pyramid import levels_of, max_level
 from sgicodec.fit.schedule import Schedule, evenly, passed
@@ -87,6 +88,7 @@ class Trainer:
         phases = tuple(replace(phase, level=min(phase.level, most)) for phase in settings.phases)
         settings = replace(settings, phases=phases)
         self.spec, self.settings, self.weights = spec, settings, weights
+        self.mean_weights = None if weights is None else CellMeans(weights[None])
         self.schedule = Schedule(phases)
         self.raster = NativeRasterizer(device)
         self.levels = levels_of(target, weights, max(phase.level for phase in phases) + 1)
@@ -173,7 +175,9 @@ class Trainer:
 
     def _prune(self) -> None:
         """Drops seeds whose Gaussians hold less squared error than their bits cost."""
-        energy = self.seeds.energy(self.weights) if self.on_gpu is None else self.on_gpu.energy(self.weights)
+        energy = self.seeds.energy() if self.on_gpu is None else self.on_gpu.energy()
+        if self.mean_weights is not None:
+            energy = energy * self.mean_weights.of(self.seeds.layout)[:, 0]
         keep = energy > self.settings.prune * self.settings.seed_bits * self.settings.lmbda
         keep[energy.argmax()] = True  # a model without seeds has no gradients
         if not keep.all():

@@ -97,6 +97,8 @@ def whole_roots(planes: NDArray[Any], beyond: Beyond) -> NDArray[Any]:
     *others, height, width = planes.shape
     columns, rows = roots_of(width, height)
     margins = (0, (rows << ROOT_LOG) - height), (0, (columns << ROOT_LOG) - width)
+    if margins == ((0, 0), (0, 0)):
+        return planes
     return np.pad(planes, [(0, 0)] * len(others) + list(margins), mode=beyond)
 
 

@@ -12,6 +12,7 @@ from __future__ import annotations
 import zlib
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import cache
 from itertools import pairwise
 from typing import Any
 
@@ -187,10 +188,17 @@ def range_coded(bits: IntArray, ones: IntArray) -> bytes:
 
 
 def _encode_bits(coder: Any, bits: IntArray, ones: IntArray) -> None:
-    zero = (1 << _PRECISION) - (ones.astype(np.int64) << (_PRECISION - 16))
     model = constriction().stream.model.Bernoulli(perfect=False)
-    # Constriction takes floats: P(0) becomes the frequency 1 + floor(P(0) (2^24 - 2)).
-    coder.encode(bits, model, 1 - (zero - 0.5) / ((1 << _PRECISION) - 2))
+    coder.encode(bits, model, _probabilities()[ones])
+
+
+@cache
+def _probabilities() -> NDArray[np.float64]:
+    """What constriction is given for P(1) = index / 2^16. It takes floats: P(0) becomes the frequency
+    1 + floor(P(0) (2^24 - 2)).
+    """
+    zero = (1 << _PRECISION) - (np.arange(1 << 16) << (_PRECISION - 16))
+    return np.asarray(1 - (zero - 0.5) / ((1 << _PRECISION) - 2))
 
 
 def _payload(coder: Any) -> bytes:

@@ -137,7 +137,7 @@ def rdoq(state: TileState, min_passes: int = 0) -> TileState:
     if not tile.has_rdoq:
         return state
     tile.watch.stage("search")
-    objective = Objective(state.header, tile.unit, tile.device, state.weights)
+    objective = Objective(state.header, state.target, tile.device, state.weights)
     settings, lmbda = tile.effort.rdoq, state.fit.lmbda
     settings = replace(settings, passes=max(settings.passes, min_passes))
 

@@ -225,7 +225,7 @@ class TileState(Prepared):
         tile, tuning = self.tile, self.tile.tuning
         steps = tuning.steps(tuning.step(self.lmbda), tile.spec.channels)
         offsets = tile.masking.offsets(steps)
-        left = Objective(self.header, tile.unit, tile.device).decoded_residual(self.model)[:, :, : tile.unit.shape[2]]
+        left = Objective(self.header, self.target, tile.device).decoded_residual(self.model)[:, :, : tile.unit.shape[2]]
         colours = colours_for(left, steps, tuning.price(self.lmbda), offsets, tile.device)
         search = TextureSearch(left, tile.device, tile.effort.split_margin, colours=colours)
         return replace(self, step_offsets=offsets), search

@@ -21,12 +21,12 @@ PLAIN = RdoqSettings()
 
 def dense_residual(objective: Objective, model: TileModel) -> NDArray[np.float64]:
     """Picture less drawn [C, H, W], every Gaussian everywhere; the base layer is zero."""
-    _, height, width = objective.picture.shape
+    _, height, width = objective.target.shape
     opponent = np.array(colour_matrix(objective.header.spec.channels))
     layout = model.layout
     centre, cell = layout.centre.astype(np.float64), layout.cell.astype(np.float64)
     gaussians = gaussians_from_seeds(objective.header.spec, joined(model), centre, cell, {}, opponent, np)
-    return objective.picture - rasterize_reference(*gaussians, width, height)
+    return objective.target - rasterize_reference(*gaussians, width, height)
 
 
 def passed(objective: Objective, model: TileModel, lmbda: float) -> tuple[TileModel, NDArray[np.float64]]:
