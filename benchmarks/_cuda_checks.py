@@ -186,7 +186,7 @@ def check_seeds(device: Device, pixels: np.ndarray) -> str:
     fit, level = trainer.on_gpu, trainer.levels[0]
     require(fit is not None, "the processor fits")
     assert fit is not None
-    energy, lacks = fit.energy(None), fit.residual_sums(level).values[1]
+    energy, lacks = fit.energy(), fit.residual_sums(level).values[1]
     trainer.fetch()
     drawn = CudaRasterizer(fit.gpu, trainer.raster.cutoff).forward(
         *trainer.seeds.gaussians(), target.shape[2], target.shape[1]

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstddef>
+#include <memory>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -32,6 +33,13 @@ auto as_array(std::vector<T> values, const std::array<size_t, D> &shape) {
   nanobind::capsule owner(owned, [](void *held) noexcept { delete static_cast<std::vector<T> *>(held); });
   return nanobind::ndarray<nanobind::numpy, Shown, nanobind::ndim<D>>(reinterpret_cast<Shown *>(owned->data()), D,
                                                                       shape.data(), owner);
+}
+// The same of values that no vector holds.
+template <class T, size_t D>
+auto values_as_array(std::unique_ptr<T[]> values, const std::array<size_t, D> &shape) {
+  T *owned = values.release();
+  nanobind::capsule owner(owned, [](void *held) noexcept { delete[] static_cast<T *>(held); });
+  return nanobind::ndarray<nanobind::numpy, T, nanobind::ndim<D>>(owned, D, shape.data(), owner);
 }
 
 }  // namespace sgi

@@ -218,7 +218,7 @@ auto texture_cells(LogSizes log_size, Contrasts contrast, SymbolPlanes symbols, 
   return std::tuple(
       as_array<int32_t>(std::move(cells.corner), std::array{count, size_t(2)}),
       as_array<uint8_t>(std::move(cells.log_size), std::array{count}),
-      as_array<float>(std::vector(cells.amplitudes.get(), cells.amplitudes.get() + values), std::array{values}));
+      sgi::values_as_array(std::move(cells.amplitudes), std::array{values}));
 }
 
 }  // namespace

@@ -7,6 +7,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from sgicodec._native import halved
+
 __all__ = ["Level", "levels_of", "max_level", "pyramid"]
 
 F32 = NDArray[np.float32]
@@ -42,16 +44,7 @@ def pyramid(target: F32, levels: int) -> list[F32]:
 
     The even filter keeps pixel centres where halved coordinates put them, so a model at half scale needs no shift.
     """
-    result = [target]
+    result = [np.ascontiguousarray(target, np.float32)]
     for _ in range(levels - 1):
-        result.append(_halved(_halved(result[-1], 1), 2))
-    return [np.ascontiguousarray(image, dtype=np.float32) for image in result]
-
-
-def _halved(image: F32, axis: int) -> F32:
-    width = [(0, 0), (0, 0), (0, 0)]
-    width[axis] = (1, 1 + image.shape[axis] % 2)
-    padded = np.moveaxis(np.pad(image, width, mode="edge"), axis, 0)
-    outer, inner = padded[:-3:2] + padded[3::2], padded[1:-2:2] + padded[2:-1:2]
-    halved: F32 = np.moveaxis(0.125 * outer + 0.375 * inner, 0, axis).astype(np.float32)
-    return halved
+        result.append(halved(result[-1]))
+    return result

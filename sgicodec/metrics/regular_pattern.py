@@ -7,12 +7,14 @@ at lower frequencies of the same direction, and at the same frequency in other d
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
+
+from sgicodec import _native
+from sgicodec.device import ONE_THREAD, Device
 
 __all__ = ["BLOCK", "RegularPatterns", "regular_patterns"]
 
@@ -24,6 +26,8 @@ BLOCK = 8
 _WINDOW = 24
 """Side of what is looked at around a block, pixels: about two ribs of a pattern at its lowest frequency. 16 and 32
 were tried (docs/notes/2026-11-regular-patterns.md)."""
+_MAX_LANES = 16
+"""Blocks that are looked at side by side; what lies around the last of them must be there."""
 _MIN_FREQUENCY, _MAX_FREQUENCY = 3.9, 9.5
 """Frequencies of patterns, cycles in a window: periods of 2.5 to 6.2 pixels."""
 _LOBE = 1.9
@@ -52,70 +56,50 @@ class RegularPatterns:
     frequency: F64
 
 
-def regular_patterns(plane: F64) -> RegularPatterns:
-    """The patterns of a plane [H, W] in levels of 255, for each block of 8×8 pixels that it begins."""
+def regular_patterns(plane: F64, device: Device = ONE_THREAD) -> RegularPatterns:
+    """The patterns of a plane [H, W] in levels of 255, for each block of 8×8 pixels that it begins. Edges are
+    mirrored.
+    """
     spectrum = _spectrum()
     rows, columns = (-(-length // BLOCK) for length in plane.shape)
-    certainty, deviation = np.zeros((rows, columns)), np.zeros((rows, columns))
-    frequency = np.full((rows, columns), spectrum.frequency[0])
-    for row, waves in enumerate(spectrum.waves(plane)):
-        power = spectrum.power(waves)
-        own = spectrum.own @ power
-        told = np.flatnonzero(own.max(axis=0) > _DOUBTFUL * _NOISE)
-        own, others = own[:, told], spectrum.others @ power[:, told]
-        ratio = own / (others + np.float32(_NOISE))
-        best = ratio.argmax(axis=0)[None]
-        ratio, own = (np.take_along_axis(values, best, axis=0)[0] for values in (ratio, own))
-        certainty[row, told] = np.clip((ratio - _DOUBTFUL) / (_CERTAIN - _DOUBTFUL), 0, 1)
-        deviation[row, told] = np.sqrt(own)
-        frequency[row, told] = spectrum.frequency[best[0]]
-    return RegularPatterns(certainty, deviation, frequency)
+    before = (_WINDOW - BLOCK) // 2
+    margins = [
+        (before, _WINDOW + count * BLOCK - length)
+        for count, length in zip((rows, -(-columns // _MAX_LANES) * _MAX_LANES), plane.shape, strict=True)
+    ]
+    beyond = np.pad(plane.astype(np.float32), margins, mode="symmetric")
+    ratio, power = np.empty((rows, columns), np.float32), np.empty((rows, columns), np.float32)
+    number = np.empty((rows, columns), np.int32)
+    tables = spectrum.waves, *spectrum.own, *spectrum.others
+    _native.regular_patterns(beyond, *tables, _NOISE, _DOUBTFUL, ratio, power, number, device.threads, device.isa)
+    certainty = np.clip((ratio.astype(np.float64) - _DOUBTFUL) / (_CERTAIN - _DOUBTFUL), 0, 1)
+    return RegularPatterns(certainty, np.sqrt(power.astype(np.float64)), spectrum.frequency[number])
+
+
+Lines = tuple[NDArray[np.int32], NDArray[np.int32]]
 
 
 @dataclass(frozen=True)
 class _Spectrum:
     """How windows become power at frequencies (v, u), and what is compared for each pattern [P].
 
-    basis [24, cosine or sine, 12]: weighted waves of 0 to 11 cycles; own, others [P, F]: sums over frequencies, of
-    which F has v ≥ 0 and then v ≤ 0, each with u ≥ 0; frequency [P]: the pattern's.
+    waves [24, 12]: weighted cosines, then sines, of 0 to 11 cycles over half a window, from its middle; own, others:
+    frequencies of which power is summed, pattern after pattern, and where each one's end; of all there are first those
+    with v ≥ 0 and then those with v ≤ 0, each with u ≥ 0; frequency [P]: the pattern's.
     """
 
-    basis: F32
-    own: F32
-    others: F32
+    waves: F32
+    own: Lines
+    others: Lines
     frequency: F64
-
-    def waves(self, plane: F64) -> Iterator[F32]:
-        """Of each row of blocks, waves along the rows of the windows [24, cosine or sine, 12, columns] around its
-        blocks; edges are mirrored.
-        """
-        before = (_WINDOW - BLOCK) // 2
-        rows, columns = (-(-length // BLOCK) for length in plane.shape)
-        margins = [
-            (before, _WINDOW + count * BLOCK - length)
-            for count, length in zip((rows, columns), plane.shape, strict=True)
-        ]
-        beyond = np.pad(plane.astype(np.float32), margins, mode="symmetric")
-        windows = np.lib.stride_tricks.sliding_window_view(beyond, _WINDOW, axis=1)[:, ::BLOCK][:, :columns]
-        along = self.basis.reshape(_WINDOW, -1).T @ np.ascontiguousarray(windows.transpose(0, 2, 1))
-        along = along.reshape(-1, *self.basis.shape[1:], columns)
-        return (along[row * BLOCK :][:_WINDOW] for row in range(rows))
-
-    def power(self, waves: F32) -> F32:
-        """Power [F, columns] of windows about their means; that of a pattern sums to its variance."""
-        both = np.tensordot(self.basis, waves, axes=(0, 0))  # [cosine or sine, v, cosine or sine, u, columns]
-        of_one = self.basis.sum(axis=0)
-        both -= np.multiply.outer(of_one, np.multiply.outer(of_one, both[0, 0, 0, 0] / of_one[0, 0] ** 2))
-        (cc, cs), (sc, ss) = both.swapaxes(1, 2)  # [v, u, columns] each
-        spectra = np.square(cc - ss) + np.square(cs + sc), np.square(cc + ss) + np.square(cs - sc)
-        return np.float32(2 / _WINDOW**2) * np.concatenate(spectra).reshape(-1, waves.shape[-1])
 
 
 @cache
 def _spectrum() -> _Spectrum:
-    window = np.sin(np.pi * (np.arange(_WINDOW) + 0.5) / _WINDOW) ** 2
-    turns = 2 * np.pi / _WINDOW * np.outer(np.arange(_WINDOW), np.arange(_WINDOW // 2))
-    basis = np.stack([np.cos(turns), np.sin(turns)], axis=1) * (window / np.sqrt((window**2).sum()))[:, None, None]
+    half = np.arange(_WINDOW // 2)
+    window = np.cos(np.pi * (half + 0.5) / _WINDOW) ** 2
+    turns = 2 * np.pi / _WINDOW * np.outer(half, half + 0.5)
+    waves = np.concatenate([np.cos(turns), np.sin(turns)]) * (window / np.sqrt(2 * (window**2).sum()))
     sign, v, u = (part.ravel() for part in np.mgrid[1:-2:-2, : _WINDOW // 2, : _WINDOW // 2])
     once = np.where(sign > 0, (u > 0) | (v > 0), (u > 0) & (v > 0))  # of two opposite frequencies, one
     v *= sign
@@ -128,4 +112,9 @@ def _spectrum() -> _Spectrum:
     aside = (np.abs(radius - radius[patterns]) <= _AS_HIGH) & (turned > _ACROSS)
     others = once & ~near & (lower | aside)
     frequency = radius[patterns[:, 0]] / (_WINDOW / 2)
-    return _Spectrum(basis.astype(np.float32), near.astype(np.float32), others.astype(np.float32), frequency)
+    return _Spectrum(waves.astype(np.float32), _lines(near), _lines(others), frequency)
+
+
+def _lines(chosen: NDArray[np.bool_]) -> Lines:
+    """Which frequencies are chosen [P, F], as in `_Spectrum`."""
+    return np.nonzero(chosen)[1].astype(np.int32), np.cumsum(chosen.sum(axis=1)).astype(np.int32)

@@ -60,8 +60,8 @@ def coherence(target: F32, lmbda: float) -> F64:
 def _sums(planes: NDArray[np.floating], side: int) -> F64:
     """Sums over squares of planes [C, H, W]."""
     channels, height, width = planes.shape
-    squares = planes.reshape(channels, height // side, side, width // side, side)
-    return np.asarray(squares.sum(axis=(2, 4), dtype=np.float64))
+    rows = planes.reshape(channels, height // side, side, width).sum(axis=2, dtype=np.float64)
+    return np.asarray(rows.reshape(channels, height // side, width // side, side).sum(axis=3))
 
 
 def smoothed(plane: F64, sigma: float) -> F64:

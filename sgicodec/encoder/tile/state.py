@@ -161,7 +161,7 @@ def tile_of(
         fit = replace(fit, quality=header.quality)
     bare = bare_samples(picture, header)
     unit, empty = coded_samples(picture, header, bare)
-    masking = Masking(TUNINGS[settings.tuned_for], unit)
+    masking = Masking(TUNINGS[settings.tuned_for], unit, device)
     if header.spec.luma_space:
         unit = np.tensordot(to_luma_space(header.spec.channels).astype(np.float32), unit, axes=1)
     return Tile(

@@ -15,6 +15,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from sgicodec.device import ONE_THREAD, Device
 from sgicodec.metrics.local_variance import local_variance
 from sgicodec.metrics.psnr import luma
 from sgicodec.metrics.regular_pattern import BLOCK, RegularPatterns, regular_patterns
@@ -127,8 +128,8 @@ class Masking:
     They depend on the pixels near a superblock alone and on no mean, so that tiles look the same.
     """
 
-    def __init__(self, tuning: TextureTuning, picture: F32) -> None:
-        self._power = tuning.masking
+    def __init__(self, tuning: TextureTuning, picture: F32, device: Device = ONE_THREAD) -> None:
+        self._power, self._device = tuning.masking, device
         self._plane = luma(picture.transpose(1, 2, 0), peak=1.0) if self._power else None
 
     def offsets(self, steps: TextureSteps) -> Offsets | None:
@@ -147,7 +148,7 @@ class Masking:
         assert plane is not None
         octaves = 0.5 * self._power * np.log2((local_variance(plane / 255.0) + _FLOOR) / _USUAL)
         masked = _indices(4 * root_blocks(octaves, "edge").mean(axis=(1, 3)))
-        patterns = regular_patterns(plane)
+        patterns = regular_patterns(plane, self._device)
         blocks = (patterns.certainty, patterns.deviation, patterns.frequency)
         return masked, RegularPatterns(*(_by_superblock(part, masked.shape) for part in blocks))
 

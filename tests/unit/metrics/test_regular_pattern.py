@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from sgicodec.device import Device
 from sgicodec.metrics.regular_pattern import regular_patterns
+from tests.support.scenes import ISAS
 
 SHAPE = 96, 128
 ROWS, COLUMNS = np.mgrid[: SHAPE[0], : SHAPE[1]]
@@ -40,3 +42,49 @@ def test_a_block_depends_on_the_pixels_near_it() -> None:
     plane = stripes(4.0, 30, 8.0) + np.random.default_rng(4).normal(0, 4, SHAPE)
     whole, part = regular_patterns(plane), regular_patterns(plane[16:80, 32:112])
     np.testing.assert_allclose(part.certainty[1:-1, 1:-1], whole.certainty[3:9, 5:13], rtol=1e-5)
+
+
+@pytest.mark.parametrize("isa", ISAS)
+def test_numbers_follow_from_spectra(isa: str) -> None:
+    """Of each block the pattern that stands out most, from the Fourier transform of the window around it."""
+    rng, (height, width) = np.random.default_rng(5), SHAPE
+    plane = (120 + stripes(3.7, 25, 6.0) * (COLUMNS > 60) + rng.normal(0, 3, SHAPE))[: height - 3, : width - 5]
+    found = regular_patterns(plane, Device(1, isa))
+    around = np.pad(plane, [(8, 24), (8, 24)], mode="symmetric")
+    slope = np.sin(np.pi * (np.arange(24) + 0.5) / 24) ** 2
+    window = np.outer(slope, slope) / (slope**2).sum()
+    seen = 0
+    for row, column in np.ndindex(found.certainty.shape):
+        part = around[8 * row :][:24, 8 * column :][:, :24]
+        level = (part * window).sum() / window.sum()
+        ratio, power, frequency = most_regular(np.abs(np.fft.fft2((part - level) * window)) ** 2 * 2 / 24**2)
+        certainty = min(max((ratio - 3) / 3, 0), 1)
+        assert found.certainty[row, column] == pytest.approx(certainty, abs=1e-4)
+        if certainty > 0.01:
+            seen += 1
+            assert found.deviation[row, column] == pytest.approx(np.sqrt(power), rel=1e-4)
+            assert found.frequency[row, column] == pytest.approx(frequency / 12)
+    assert seen > 20
+
+
+def most_regular(power: NDArray[np.float64]) -> tuple[float, float, float]:
+    """Ratio to what it is compared with, power, and cycles in a window of the pattern that stands out most."""
+    frequencies = [(v, u) for v in range(-11, 12) for u in range(12) if u > 0 or v > 0]
+    at = {(v, u): power[v, u] for v, u in frequencies}
+    best = (0.0, 0.0, 0.0)
+    for v, u in frequencies:
+        radius = np.hypot(v, u)
+        if not 3.9 <= radius <= 9.5:
+            continue
+        own = others = 0.0
+        for (y, x), value in at.items():
+            turned = np.degrees(np.arctan2(y, x) - np.arctan2(v, u))
+            turned = abs((turned + 90) % 180 - 90)
+            if min(np.hypot(y - v, x - u), np.hypot(y + v, x + u)) <= 1.9:
+                own += value
+            elif (np.hypot(y, x) <= radius / 1.4 and turned < 27) or (
+                abs(np.hypot(y, x) - radius) <= 1.5 and turned > 30
+            ):
+                others += value
+        best = max(best, (own / (others + 3), own, radius))
+    return best

@@ -1,6 +1,5 @@
 """What a model leaves, and what the search promises of it, against streams as written and read."""
 
-
 import numpy as np
 import pytest
 from data_files import crop
