@@ -68,8 +68,9 @@ void regular_patterns(Array<const float, 2> plane, Array<const float, 2> waves, 
       require(frequencies(i) >= 0 && frequencies(i) < sgi::kPatternFrequencies, "frequencies must be 0..287");
     return frequencies.data();
   };
-  const sgi::Patterns patterns{int(count),     waves.data(),          checked(own, own_end), own_end.data(),
-                               checked(others, others_end), others_end.data(), noise,                 doubtful};
+  const sgi::Patterns patterns{
+      int(count), waves.data(), checked(own, own_end), own_end.data(), checked(others, others_end), others_end.data(),
+      noise,      doubtful};
   nb::gil_scoped_release release;
   sgi::find_regular_patterns(patterns, plane.data(), int64_t(plane.shape(1)), int64_t(rows), int64_t(columns), threads,
                              set, ratio.data(), power.data(), number.data());

@@ -25,7 +25,7 @@ struct RegularPatternKernel {
   // The patterns that stand out most in a column of LANES blocks side by side, `rows` times [LANES], that begin at
   // `plane`, with what lies around them: ratio of powers, 0 where that is doubtful, power, and number.
   void (*find)(const Patterns &patterns, const float *plane, int64_t stride, int64_t rows, float *ratio, float *power,
-                 int32_t *number);
+               int32_t *number);
   static const RegularPatternKernel portable, avx2, avx512;
 };
 

@@ -87,7 +87,7 @@ void tell(const Patterns &patterns, const vf *power, float *ratio, float *streng
 }
 
 void find_column(const Patterns &patterns, const float *plane, int64_t stride, int64_t rows, float *ratio, float *power,
-            int32_t *number) {
+                 int32_t *number) {
   Waves ring[kPatternWindow];
   vf found[kPatternFrequencies];
   for (int64_t row = 0; row < rows; ++row) {
