@@ -25,26 +25,30 @@ void TextureSought::scale(const TextureField &field, const TextureCell &cell, in
       scaled[v * cell.side() + u] = from[v * field.width + u] / (step * growth[v * cell.side() + u]);
 }
 
-void TextureSought::scale_beside(const TextureField &field, const TextureCell &cell, int channel,
-                                 CellValues<float> &scaled) const {
-  scale(field, cell, channel, scaled);
-  const float share = amplitudes.share(channel);
-  if (share == 0) return;
-  CellValues<float> first;
-  scale(field, cell, 0, first);
-  const int16_t *symbols = field.at(0, cell);
-  const int side = cell.side(), last = field.last_at_most(0, cell);
+const CellValues<float> &ScaledCell::of(int channel) {
+  sought_.scale(field_, cell_, channel, scaled_);
+  const float share = channel ? sought_.amplitudes.share(channel) : 0;
+  if (share == 0) return scaled_;
+  if (!has_left_) find_left();
+  const int contrast = sought_.contrast(field_, cell_), count = cell_.side() * cell_.side();
+  const float ratio = share * sought_.steps.of(0, contrast) / sought_.steps.of(channel, contrast);
+  const float *ours = sought_.steps.growth(channel, cell_.log), *theirs = sought_.steps.growth(0, cell_.log);
+  for (int i = 0; i < count; ++i) scaled_[i] += ratio * left_[i] * theirs[i] / ours[i];
+  return scaled_;
+}
+
+void ScaledCell::find_left() {
+  sought_.scale(field_, cell_, 0, left_);
+  const int16_t *symbols = field_.at(0, cell_);
+  const int last = field_.last_at_most(0, cell_);
   QuantizerState state;
-  for (const Frequency &at : texture_scan(cell.log)) {
+  for (const Frequency &at : texture_scan(cell_.log)) {
     if (at.diagonal() > last) break;
-    const int symbol = symbols[at.v * field.width + at.u];
-    if (symbol) first[at.index] -= std::copysign(state.magnitude(symbol), float(symbol));
+    const int symbol = symbols[at.v * field_.width + at.u];
+    if (symbol) left_[at.index] -= std::copysign(state.magnitude(symbol), float(symbol));
     state = state.after(symbol);
   }
-  const int at_contrast = contrast(field, cell);
-  const float ratio = share * steps.of(0, at_contrast) / steps.of(channel, at_contrast);
-  const float *ours = steps.growth(channel, cell.log), *theirs = steps.growth(0, cell.log);
-  for (int i = 0; i < side * side; ++i) scaled[i] += ratio * first[i] * theirs[i] / ours[i];
+  has_left_ = true;
 }
 
 void TextureRootSearch::decide(const TextureCell &root, const BitModels &models, std::vector<int> &plan) {
@@ -59,27 +63,18 @@ float TextureRootSearch::cost(const BitContext &context, int bit) const {
   return sought_.settings.lambda * bit_cost(models_->predict(context).one, bit);
 }
 
-// Symbols of a channel and their cost; the field has those of the first one.
-void TextureRootSearch::choose(const TextureCell &cell, int channel, Choice &choice) const {
-  CellValues<float> scaled, magnitudes;
-  const int count = cell.side() * cell.side();
-  sought_.scale_beside(field_, cell, channel, scaled);
-  for (int i = 0; i < count; ++i) magnitudes[i] = std::abs(scaled[i]);
-  choose_block(*models_, field_, cell, channel, sought_.settings.lambda, magnitudes, choice);
-  for (int i = 0; i < count; ++i)
-    if (scaled[i] < 0) choice.values[i] *= -1;
-}
-
 // All channels of a cell with texture, put into the field.
-float TextureRootSearch::choose_leaf(const TextureCell &cell, std::vector<Choice> &choices) {
+float TextureRootSearch::choose_leaf(const TextureCell &cell) {
   field_.mark(cell, cell.log);
+  ScaledCell scaled(sought_, field_, cell);
   float sum = 0;
   bool any = false;
   for (int channel = 0; channel < field_.channels; ++channel) {
-    choose(cell, channel, choices[channel]);
-    field_.set(cell, channel, choices[channel].values.data(), choices[channel].last);
-    sum += choices[channel].cost;
-    any |= choices[channel].last >= 0;
+    Choice &choice = choices(cell)[size_t(channel)];
+    choose_block(*models_, field_, cell, channel, sought_.settings.lambda, scaled.of(channel), choice);
+    field_.set(cell, channel, choice.values.data(), choice.last);
+    sum += choice.cost;
+    any |= choice.last >= 0;
   }
   return any ? sum : kImpossible;
 }
@@ -124,10 +119,9 @@ float TextureRootSearch::decide_node(const TextureCell &cell, std::vector<int> &
   const BitContext split = cell_context(field_, cell, CellBit::kSplit);
   const bool splits = cell.log > kTextureLeast;
   const auto [squares, whole, divided] = prospect(cell);
-  std::vector<Choice> choices(field_.channels);
   float leaf = kImpossible;
   if (whole <= sought_.settings.doubt * divided)
-    leaf = choose_leaf(cell, choices) + cost(textured, 1) + (splits ? cost(split, 0) : 0);
+    leaf = choose_leaf(cell) + cost(textured, 1) + (splits ? cost(split, 0) : 0);
   const float nothing = squares + cost(textured, 0);
   const size_t begin = plan.size();
   plan.push_back(leaf < nothing ? kTextureLeaf : kNoTexture);
@@ -154,8 +148,10 @@ float TextureRootSearch::decide_node(const TextureCell &cell, std::vector<int> &
     return best;
   }
   field_.mark(cell, cell.log);
-  for (int channel = 0; channel < field_.channels; ++channel)
-    field_.set(cell, channel, choices[channel].values.data(), choices[channel].last);
+  for (int channel = 0; channel < field_.channels; ++channel) {
+    const Choice &choice = choices(cell)[size_t(channel)];
+    field_.set(cell, channel, choice.values.data(), choice.last);
+  }
   return best;
 }
 
@@ -174,8 +170,7 @@ void TextureRootSearch::follow_node(const TextureCell &cell, std::vector<int> &p
   const int log = given_log(cell);
   plan.push_back(log == 0 ? kNoTexture : log == cell.log ? kTextureLeaf : kSplitNode);
   if (plan[begin] == kTextureLeaf) {
-    std::vector<Choice> choices(field_.channels);
-    if (choose_leaf(cell, choices) == kImpossible) plan[begin] = kNoTexture;
+    if (choose_leaf(cell) == kImpossible) plan[begin] = kNoTexture;
   } else if (plan[begin] == kSplitNode) {
     for (int number = 0; number < 4; ++number) {
       const TextureCell child = cell.child(number);

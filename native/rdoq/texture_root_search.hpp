@@ -28,8 +28,25 @@ struct TextureSought {
 
   // Amplitudes of a cell in steps.
   void scale(const TextureField &field, const TextureCell &cell, int channel, CellValues<float> &scaled) const;
-  // The same with what a channel has to make good of the first one, whose symbols the field has.
-  void scale_beside(const TextureField &field, const TextureCell &cell, int channel, CellValues<float> &scaled) const;
+};
+
+// Amplitudes of a cell in steps, with what channels have to make good of the first one.
+class ScaledCell {
+ public:
+  ScaledCell(const TextureSought &sought, const TextureField &field, const TextureCell &cell)
+      : sought_(sought), field_(field), cell_(cell) {}
+
+  // Of a channel; the first one's symbols must be in the field for the others. They hold until the next call.
+  const CellValues<float> &of(int channel);
+
+ private:
+  void find_left();
+
+  const TextureSought &sought_;
+  const TextureField &field_;
+  const TextureCell cell_;
+  bool has_left_ = false;
+  CellValues<float> scaled_, left_;  // what symbols leave of the first channel
 };
 
 // A cell's cost without texture, and estimates of it as one cell and divided.
@@ -40,15 +57,17 @@ struct TextureProspect {
 // Decides on one root after the other, by models that learn nothing from it.
 class TextureRootSearch {
  public:
-  TextureRootSearch(const TextureSought &sought, TextureField &field) : sought_(sought), field_(field) {}
+  TextureRootSearch(const TextureSought &sought, TextureField &field) : sought_(sought), field_(field) {
+    for (auto &of_size : choices_) of_size.resize(size_t(field.channels));
+  }
 
   // What is best for a root: the field shows it afterwards, and `plan` has all nodes in coding order.
   void decide(const TextureCell &root, const BitModels &models, std::vector<int> &plan);
 
  private:
   float cost(const BitContext &context, int bit) const;
-  void choose(const TextureCell &cell, int channel, Choice &choice) const;
-  float choose_leaf(const TextureCell &cell, std::vector<Choice> &choices);
+  float choose_leaf(const TextureCell &cell);
+  std::vector<Choice> &choices(const TextureCell &cell) { return choices_[size_t(cell.log - kTextureLeast)]; }
   TextureProspect estimate(const TextureCell &cell) const;
   TextureProspect &prospect(const TextureCell &cell);
   float look_ahead(const TextureCell &cell);
@@ -60,7 +79,8 @@ class TextureRootSearch {
   TextureField &field_;
   const BitModels *models_ = nullptr;
   std::array<std::array<TextureProspect, 1 << 2 * (kTextureRoot - kTextureLeast)>, kTextureSizes>
-      prospects_;  // of a root
+      prospects_;                                           // of a root
+  std::array<std::vector<Choice>, kTextureSizes> choices_;  // of all channels of the last cell of each size
 };
 
 }  // namespace sgi

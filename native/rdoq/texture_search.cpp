@@ -105,18 +105,17 @@ class TextureSearch {
   void code_leaf(const TextureCell &cell) {
     const int side = cell.side();
     CellSymbols values;
+    ScaledCell scaled(sought_, field(), cell);
     for (int channel = 0; channel < field().channels; ++channel) {
       for (int row = 0; row < side; ++row)
         std::copy_n(field().at(channel, cell) + row * field().width, side, &values[row * side]);
       const int last = last_diagonal(values.data(), cell.side(), cell.log);
       coding_.block(cell, channel, last, values);
-      if (last >= 0) account(cell, channel, values, last);
+      if (last >= 0) account(cell, scaled.of(channel), values, last);
     }
   }
 
-  void account(const TextureCell &cell, int channel, const CellSymbols &values, int last) {
-    CellValues<float> scaled;
-    sought_.scale_beside(field(), cell, channel, scaled);
+  void account(const TextureCell &cell, const CellValues<float> &scaled, const CellSymbols &values, int last) {
     QuantizerState state;
     for (const Frequency &at : texture_scan(cell.log)) {
       if (at.diagonal() > last) break;

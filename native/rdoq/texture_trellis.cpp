@@ -110,10 +110,13 @@ class Trellis {
   }
   float cost(int state) const { return now_.cost[state]; }
 
-  // Puts the symbols of the first `count` additions, after which the state was this one, where `scan` has them.
-  void trace(size_t count, int state, const std::vector<Frequency> &scan, CellSymbols &values) const {
+  // Puts the symbols of the first `count` additions, after which the state was this one, where `scan` has them, with
+  // the signs of the amplitudes.
+  void trace(size_t count, int state, const std::vector<Frequency> &scan, const CellValues<float> &scaled,
+             CellSymbols &values) const {
     while (count--) {
-      values[scan[count].index] = moves_[count].symbol[state];
+      const int index = scan[count].index, magnitude = moves_[count].symbol[state];
+      values[index] = int16_t(scaled[index] < 0 ? -magnitude : magnitude);
       state = moves_[count].from[state];
     }
   }
@@ -199,15 +202,16 @@ std::pair<float, int> outlook(const CellValues<float> &scaled, int side) {
   int last = -1;
   for (int v = 0; v < side; ++v)
     for (int u = 0; u < side; u += kLanes) {
-      const float *amplitudes = &scaled[size_t(v * side + u)];
+      std::array<float, kLanes> amplitudes;
       float largest = 0;
-      for (int i = 0; i < kLanes; ++i) {
-        sums[size_t(i)] += amplitudes[i] * amplitudes[i];
+      for (size_t i = 0; i < kLanes; ++i) {
+        amplitudes[i] = std::abs(scaled[size_t(v * side + u) + i]);
+        sums[i] += amplitudes[i] * amplitudes[i];
         largest = largest > amplitudes[i] ? largest : amplitudes[i];
       }
       if (largest <= kLastWorth) continue;
       for (int i = 0; i < kLanes; ++i)
-        if (amplitudes[i] > kLastWorth) last = std::max(last, v + u + i);
+        if (amplitudes[size_t(i)] > kLastWorth) last = std::max(last, v + u + i);
     }
   return {std::accumulate(sums.begin(), sums.end(), 0.0f), last};
 }
@@ -229,7 +233,7 @@ void choose_block(const BitModels &models, const TextureField &field, const Text
   for (int diagonal = 0; diagonal <= most; ++diagonal) {
     if (diagonal) trellis.advance();
     for (; at < scan.size() && scan[at].diagonal() == diagonal; ++at) {
-      const float amplitude = scaled[scan[at].index];
+      const float amplitude = std::abs(scaled[scan[at].index]);
       beyond -= amplitude * amplitude;
       trellis.add(scan[at], amplitude);
     }
@@ -239,7 +243,7 @@ void choose_block(const BitModels &models, const TextureField &field, const Text
         trellis.cost(best) + std::max(beyond, 0.0f) + lambda * extent_bits(models, extent, cell.log, diagonal + 1);
     if (sum < choice.cost) choice.cost = sum, choice.last = diagonal, count = at, state = best;
   }
-  trellis.trace(count, state, scan, choice.values);
+  trellis.trace(count, state, scan, scaled, choice.values);
 }
 
 }  // namespace sgi

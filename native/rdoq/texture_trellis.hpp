@@ -12,8 +12,8 @@ struct Choice {
   float cost;
 };
 
-// scaled: |amplitudes| in steps; what is chosen are magnitudes. lambda: squared steps per bit. Models do not learn
-// within a block.
+// scaled: amplitudes in steps; the field has the symbols of the first channel. lambda: squared steps per bit. Models do
+// not learn within a block.
 void choose_block(const BitModels &models, const TextureField &field, const TextureCell &cell, int channel,
                   float lambda, const CellValues<float> &scaled, Choice &choice);
 
