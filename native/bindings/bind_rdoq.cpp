@@ -41,7 +41,7 @@ auto search_seeds(const nb::bytes &header, Array<const int32_t, 2> corner, Array
                   const sgi::Plan &plan, const sgi::NetworkArrays &networks, Array<const double, 2> values,
                   Array<const int32_t, 1> support, Array<const int64_t, 1> start, Array<const double, 1> bits,
                   Array<const float, 2> opponent, Array<float, 3> residual, Weights weights, float lmbda, float cutoff,
-                  int deep, int rounds, int threads, const std::string &isa) {
+                  int deep, int threads, const std::string &isa) {
   const sgi::SeedCoding coding(header, corner, log_size, plan, networks, isa);
   const sgi::ModelSpec &spec = coding.header.spec;
   const size_t n = log_size.shape(0), d = size_t(spec.attributes()), channels = size_t(spec.channels);
@@ -57,7 +57,7 @@ auto search_seeds(const nb::bytes &header, Array<const int32_t, 2> corner, Array
   std::vector<double> change(n);
   {
     const nb::gil_scoped_release release;
-    sgi::search_seeds(coding.model, coding.seeds, model, {lmbda, cutoff, deep, rounds}, left, values.data(),
+    sgi::search_seeds(coding.model, coding.seeds, model, {lmbda, cutoff, deep}, left, values.data(),
                       {decoded.data(), change.data()}, threads);
   }
   return std::tuple(sgi::as_array<int64_t>(std::move(decoded), std::array{n, d}),
@@ -69,6 +69,6 @@ auto search_seeds(const nb::bytes &header, Array<const int32_t, 2> corner, Array
 void bind_rdoq(nb::module_ &m) {
   m.def("search_seeds", &search_seeds, "header"_a, "corner"_a, "log_size"_a, "plan"_a, "networks"_a, "values"_a,
         "support"_a, "start"_a, "bits"_a, "opponent"_a, "residual"_a, "weights"_a, "lmbda"_a, "cutoff"_a, "deep"_a,
-        "rounds"_a, "threads"_a, "isa"_a,
+        "threads"_a, "isa"_a,
         "Attributes [N, C + 5] in 2^-24 and the change of cost [N]; `residual` becomes what they leave.");
 }

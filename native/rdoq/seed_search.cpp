@@ -141,7 +141,7 @@ void SeedSearch::changes(const Place &place, const Splat *two, float power, floa
     kernel_.changes(two, part, power, mixed, g, out);
 }
 
-// Starts at the symbols of a group that lie nearest to `values` (shape, then offset) and moves one at a time while
+// Starts at the symbols of a group that lie nearest to `values` (shape, then offset) and moves each by one where
 // squared error plus price falls. Writes the group's part of `values` and `coded`; returns what place and bits cost.
 double SeedSearch::descend(Group group, const ReconstructionGrid &grid, const Place &place, float power, double *values,
                            Coded &coded) {
@@ -158,9 +158,7 @@ double SeedSearch::descend(Group group, const ReconstructionGrid &grid, const Pl
     changes(place, two, power, change);
     least = change[0] + settings_.lmbda * bits_of(model_, group, grid, symbols);
   }
-  int still = 0;  // attributes gone through since the last move
-  for (int turn = 0; turn < settings_.rounds * size && still < size; ++turn, ++still) {
-    const int j = turn % size;
+  for (int j = 0; j < size; ++j) {
     const int64_t from = symbols[j];
     bool sound[2];
     for (int side = 0; side < 2; ++side) {
@@ -179,7 +177,6 @@ double SeedSearch::descend(Group group, const ReconstructionGrid &grid, const Pl
         best = symbols[j];
       }
     }
-    if (best != from) still = -1;
     symbols[j] = best;
     own[j] = grid.value(j, best);
   }

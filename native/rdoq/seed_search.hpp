@@ -12,7 +12,6 @@ struct SearchSettings {
   float lmbda;   // squared error per bit
   float cutoff;  // where a Gaussian ends, standard deviations
   int deep;      // how many choices of colours are followed to the end
-  int rounds;    // times that the symbols of a group are gone through
 };
 
 struct Seed {

@@ -73,7 +73,7 @@ def effort_of(steps: int, tuned_for: Tune, is_low: bool = False) -> Effort:
     return Effort(
         steps=steps,
         seed_price=min(max(4.2 * float((200 / steps) ** 0.3), 2.1), 5.0),
-        rdoq=RdoqSettings(passes=1, deep=1, rounds=2) if is_low else RdoqSettings(passes=rdoq_passes),
+        rdoq=RdoqSettings(passes=1, deep=1) if is_low else RdoqSettings(passes=rdoq_passes),
         split_margin=NO_SPLIT_SEARCH if is_low else SPLIT_SEARCH_MARGIN,
         ascent_passes=ascent_passes,
         butteraugli=_passes_of_butteraugli(ascent_passes),

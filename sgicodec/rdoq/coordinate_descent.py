@@ -41,7 +41,6 @@ def descend(
         lmbda,
         DEFAULT_CUTOFF,
         settings.deep,
-        settings.rounds,
         device.threads,
         device.isa,
     )

@@ -13,7 +13,5 @@ class RdoqSettings:
 
     passes: int = 6
     """Times that all seeds are gone through."""
-    deep: int = 3
+    deep: int = 2
     """Choices of a seed's colours that are followed to its shape and offset."""
-    rounds: int = 3
-    """Times that the symbols of a shape or an offset are gone through."""
