@@ -16,8 +16,9 @@ __all__ = ["Restorer", "Strength", "rendered_over"]
 
 F32 = NDArray[np.float32]
 
-_OFFSETS, _APART = (-40, -24, -8, 8), 16
-"""Steps that are tried, from texture's own, in 32nds of an octave."""
+_OFFSETS, _APART = (-32, -12, 8), 20
+"""Steps that are tried, from texture's own, in 32nds of an octave. Four, 16 apart, gain 0.0 % of bytes; one loses 0.8 %
+by Butteraugli (ten pictures, effort 1)."""
 _BITS = 21
 """That a stream takes for it: the part, and a byte of the header."""
 _LOOKED_AT, _BAND, _MARGIN = 1 << 16, 64, 4
