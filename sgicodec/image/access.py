@@ -11,7 +11,7 @@ from sgicodec.errors import PictureError
 from sgicodec.image.opened import Opened
 from sgicodec.metadata.orientation import is_flipped, is_sideways
 
-__all__ = ["Access", "Rows", "Tiles", "Whole", "access", "whole"]
+__all__ = ["MAX_KEPT", "Access", "KeptRows", "Rows", "Tiles", "Whole", "access", "whole"]
 
 Samples = npt.NDArray[Any]
 
@@ -19,6 +19,10 @@ _CHUNK_SAMPLES = 1 << 22
 """Samples that are asked of OpenImageIO at once, on top of the band that they go to. Its Python binding holds them
 twice.
 """
+
+MAX_KEPT = 1 << 27
+"""Bytes of all samples of a picture whose rows are kept: an encode reads them five times, and to decode a PNG of 17
+megapixels takes 0.7 s, a fortieth of its encode at effort 1."""
 
 _ANY_ROW = ("tiff",)
 """Formats whose rows can be read from anywhere without decoding all those before."""
@@ -34,8 +38,9 @@ class Access(Protocol):
         """Most samples that exist at once while such windows are read one after the other, the window included."""
 
 
-def access(opened: Opened) -> Access:
-    """The way with the least memory for this picture.
+def access(opened: Opened, keeps: bool = False) -> Access:
+    """The way with the least memory for this picture. keeps: rows of a picture of up to MAX_KEPT bytes stay in memory
+    once they were read.
 
     A picture whose rows must be read in another order than they are decoded in is kept whole. So are 64-bit floats:
     OpenImageIO 3.2 returns garbage for a part of their rows.
@@ -45,7 +50,9 @@ def access(opened: Opened) -> Access:
     backward = is_flipped(opened.orientation) and opened.kind not in _ANY_ROW
     if backward or is_sideways(opened.orientation) or str(opened.spec.format) == "double":
         return Whole(opened)
-    return Rows(opened)
+    spec = opened.spec
+    is_small = spec.width * spec.height * spec.nchannels * opened.native.itemsize <= MAX_KEPT
+    return KeptRows(opened) if keeps and is_small else Rows(opened)
 
 
 class Tiles:
@@ -145,6 +152,32 @@ class Rows:
         chunk = min(max(_CHUNK_SAMPLES, self._row_samples * self._step), self._row_samples * rows)
         band = min(height + 2 * (self._step - 1), rows)
         return self._row_samples * band + int(max(2 * chunk, width * height * channels))
+
+
+class KeptRows(Rows):
+    """The same for pictures that are read several times: keeps all rows from the first to the last that was read."""
+
+    def __init__(self, opened: Opened) -> None:
+        super().__init__(opened)
+        self._pixels = self._empty(opened.spec.height)
+        self._known = 0
+
+    def read(self, x: int, y: int, width: int, height: int) -> Samples:
+        """As `Access` says."""
+        stop = min(-(-(y + height) // self._step) * self._step, self._opened.spec.height)
+        if stop > self._known:
+            try:
+                self._fill(self._pixels[self._known : stop], self._known)
+            except BaseException:
+                self._next = self._opened.spec.height  # where a reader stands that failed, nobody knows
+                raise
+            self._known = stop
+        return self._pixels[y : y + height, x : x + width].copy()
+
+    def held(self, width: int, height: int) -> int:
+        """As `Access` says."""
+        spec = self._opened.spec
+        return int(super().held(width, height) + spec.width * spec.height * spec.nchannels)
 
 
 class Whole:

@@ -45,6 +45,7 @@ class Source:
         sample_range: RangeChoice | SampleUse | None = None,
         alpha: Alpha = "auto",
         page: int | None = None,
+        keeps: bool = False,
     ) -> None:
         self._origin, self._max_samples, self.page = origin, max_samples, page
         self._use = sample_range if isinstance(sample_range, SampleUse) else None
@@ -52,7 +53,7 @@ class Source:
             self.path = stack.enter_context(on_disk(origin))
             self._opened: Opened = open_picture(self.path, any_size=True, alpha=alpha, page=page)
             stack.callback(lambda: self._opened.image.close())
-            self._access: Access = access(self._opened)
+            self._access: Access = access(self._opened, keeps)
             if self._opened.in_library or isinstance(self._access, Whole):
                 check_whole(self._opened, max_samples)
             self._check(1, 1)
@@ -206,13 +207,15 @@ def open_source(
     sample_range: RangeChoice | SampleUse | None = None,
     alpha: Alpha = "auto",
     page: int | None = None,
+    keeps: bool = False,
 ) -> Source:
     """Open one image of a file, of bytes, or of a stream from where it stands, to read it in parts.
 
     max_samples caps what is held in memory at once, not the picture. sample_range, alpha and page are as in `read`; a
-    SampleUse is what another one found. Raises PictureError as `read` does for all that the header says.
+    SampleUse is what another one found. keeps: rows of a picture of up to 128 MiB stay in memory once they were read,
+    for who reads it more than once. Raises PictureError as `read` does for all that the header says.
     """
-    return Source(origin, max_samples=max_samples, sample_range=sample_range, alpha=alpha, page=page)
+    return Source(origin, max_samples=max_samples, sample_range=sample_range, alpha=alpha, page=page, keeps=keeps)
 
 
 def open_to_encode(
@@ -229,12 +232,12 @@ def open_to_encode(
     """
     if not isinstance(origin, str | Path | bytes):
         origin = origin.read()
-    source = open_source(origin, sample_range=sample_range, alpha=alpha, page=page)
+    source = open_source(origin, sample_range=sample_range, alpha=alpha, page=page, keeps=True)
     try:
         declared = alpha == "auto" and alpha_index(source.channels) is not None and not source.is_associated
         if declared and not source.use.opacity:
             source.close()
-            source = open_source(origin, sample_range=sample_range, alpha="band", page=page)
+            source = open_source(origin, sample_range=sample_range, alpha="band", page=page, keeps=True)
             note(NO_OPACITY)
         if page is None and source.pages > 1:
             note(f"the first of {source.pages} pages; {option} chooses another")

@@ -20,6 +20,7 @@ from sgicodec.profiles.default import lmbda_of_quality
 
 __all__ = ["overview_picture", "overview_settings", "takes_overview"]
 
+F32 = NDArray[np.float32]
 F64 = NDArray[np.float64]
 
 _MIN_PIXELS = 1 << 20
@@ -92,13 +93,15 @@ class _Band(NamedTuple):
         """Counts the pixels of a window."""
         x, top, width, height = rect
         for first in range(0, height, _ROWS):
-            weighed, empty = _weighed(replace(window, pixels=window.pixels[first : first + _ROWS]))
-            row, sums = down.sums(weighed, top + first)
-            column, sums = across.sums(sums.swapaxes(0, 1), x)
-            here = slice(row - self.first, row - self.first + sums.shape[1])
-            self.total[here, column : column + len(sums)] += sums.swapaxes(0, 1)
-            i, j = down.centres(top + first, len(empty)), across.centres(x, width)
-            self.nothing[np.ix_(i.box - self.first, j.box)] = empty[np.ix_(i.pixel, j.pixel)]
+            part = replace(window, pixels=window.pixels[first : first + _ROWS])
+            weighed, rows = _weighed(part), len(part.pixels)
+            row, of_rows = down.shares(top + first, rows)
+            column, of_columns = across.shares(x, width)
+            sums = of_columns @ (of_rows @ weighed.reshape(rows, -1)).reshape(-1, *weighed.shape[1:])
+            self.total[row - self.first :, column:][: len(of_rows), : len(of_columns)] += sums
+            if window.nodata is not None:
+                i, j = down.centres(top + first, rows), across.centres(x, width)
+                self.nothing[np.ix_(i.box - self.first, j.box)] = nodata_samples(part)[np.ix_(i.pixel, j.pixel)]
 
 
 def _samples(plan: Plan, total: F64, nothing: NDArray[np.bool_]) -> NDArray[Any]:
@@ -115,18 +118,20 @@ def _samples(plan: Plan, total: F64, nothing: NDArray[np.bool_]) -> NDArray[Any]
 _TINY = 1e-12
 
 
-def _weighed(part: Picture) -> tuple[F64, NDArray[np.bool_]]:
+def _weighed(part: Picture) -> F32:
     """Samples in 0..1 times their weights, then these [h, w, 2 C]: of colours alpha, 0 where they do not follow their
-    neighbours; where nothing was measured [h, w, colours].
+    neighbours.
     """
-    unit, alpha = to_unit(part).astype(np.float64), part.alpha
-    nodata = nodata_samples(part)
+    unit, alpha = to_unit(part), part.alpha
     weights = np.ones_like(unit)
+    if alpha is None and part.nodata is None and not part.exact:
+        return np.concatenate([unit, weights], axis=-1)
+    nodata = nodata_samples(part)
     if alpha is not None:
         weights[..., :alpha] = unit[..., alpha:]
         weights[..., alpha] = ~nodata.all(axis=-1)
     weights[..., :alpha][nodata | exact_samples(part)] = 0
-    return np.concatenate([unit * weights, weights], axis=-1), nodata
+    return np.concatenate([unit * weights, weights], axis=-1)
 
 
 @dataclass(frozen=True)
@@ -144,16 +149,15 @@ class _Boxes:
         """How many boxes begin before pixel `stop`."""
         return -(-stop * self.count // self.length)
 
-    def sums(self, values: F64, start: int) -> tuple[int, F64]:
-        """For pixels [n, …] from `start` on: the first box that they touch, and what each box has of them [boxes, …],
-        pixels that it covers in part counted by that part.
+    def shares(self, start: int, size: int) -> tuple[int, F32]:
+        """The first box that `size` pixels from `start` on touch, and how much of each pixel each box covers
+        [boxes, size].
         """
-        first, behind = self.whole(start), self.behind(start + len(values))
-        edges = np.clip(np.arange(first, behind + 1) * (self.length / self.count) - start, 0, len(values))
-        whole = np.minimum(edges.astype(np.int64), len(values) - 1)
-        below = np.concatenate([np.zeros_like(values[:1]), np.cumsum(values, axis=0)])
-        part = (edges - whole).reshape(-1, *(1,) * (values.ndim - 1))
-        return first, np.diff(below[whole] + part * values[whole], axis=0)
+        first, behind = self.whole(start), self.behind(start + size)
+        edges = np.arange(first, behind + 1) * (self.length / self.count) - start
+        pixel = np.arange(size)
+        right, left = (np.clip(edges[part, None] - pixel, 0, 1) for part in (np.s_[1:], np.s_[:-1]))
+        return first, (right - left).astype(np.float32)
 
     def centres(self, start: int, size: int) -> _Centres:
         """The boxes whose centres lie in `size` pixels from `start` on, and which of these that is."""

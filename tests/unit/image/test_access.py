@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 import tracemalloc
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 import pytest
 from image_files import noise, save
 from window_rows import window_rows
 
 from sgicodec import open_source, read, write
 from sgicodec.errors import PictureError
+from sgicodec.image import access
+from sgicodec.image.opened import Opened
 from sgicodec.picture import Picture
 
 
@@ -43,3 +48,46 @@ def test_the_cap_is_on_what_is_held(tmp_path: Path) -> None:
             source.read(0, 0, 300, 300)
     with pytest.raises(PictureError, match=r"y\.tif: 1000 × 2000 pixels of 3 channels are more than the cap"):
         open_source(turned, max_samples=300_000)
+
+
+def test_rows_that_are_kept_are_decoded_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    pixels = noise(301, 200, 3, "uint8")
+    path = save(tmp_path / "x.png", pixels)
+    rows: list[int] = []
+    samples = Opened.samples
+
+    def counted(opened: Opened, method: Callable[..., Any], count: int, *where: int) -> npt.NDArray[Any]:
+        rows.append(count)
+        return samples(opened, method, count, *where)
+
+    monkeypatch.setattr(Opened, "samples", counted)
+    with open_source(path, keeps=True) as source:
+        for x, y in ((0, 40), (50, 150), (100, 0), (7, 240), (0, 40)):
+            np.testing.assert_array_equal(source.read(x, y, 60, 61).pixels, pixels[y : y + 61, x : x + 60])
+    assert sum(rows) == 301
+
+
+def test_large_pictures_are_not_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = save(tmp_path / "x.png", noise(90, 80, 3, "uint16"))
+    for limit, kind in ((90 * 80 * 3 * 2, "KeptRows"), (90 * 80 * 3 * 2 - 1, "Rows")):
+        monkeypatch.setattr(access, "MAX_KEPT", limit)
+        with open_source(path, keeps=True) as source:
+            assert type(source._access).__name__ == kind
+
+
+def test_rows_are_read_again_after_damage(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    pixels = noise(400, 300, 3, "uint8")
+    samples, damage = Opened.samples, [PictureError("damaged")]
+
+    def damaged(opened: Opened, method: Callable[..., Any], count: int, *where: int) -> npt.NDArray[Any]:
+        if where[0] > 0 and damage:
+            raise damage.pop()
+        return samples(opened, method, count, *where)
+
+    monkeypatch.setattr(Opened, "samples", damaged)
+    with open_source(save(tmp_path / "x.png", pixels), keeps=True) as source:
+        np.testing.assert_array_equal(source.read(0, 0, 300, 100).pixels, pixels[:100])
+        with pytest.raises(PictureError, match=r"x\.png: damaged"):
+            source.read(0, 300, 300, 100)
+        np.testing.assert_array_equal(source.read(0, 50, 300, 60).pixels, pixels[50:110])
+        np.testing.assert_array_equal(source.read(0, 300, 300, 100).pixels, pixels[300:])
