@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 __all__ = ["SLOWED", "FitSettings", "LearningRates", "Phase", "Rounding"]
@@ -106,6 +106,10 @@ class FitSettings:
     def steps(self) -> int:
         """Steps of all phases."""
         return sum(phase.steps for phase in self.phases)
+
+    def shortened(self, part: float) -> FitSettings:
+        """The same with a part of the steps of each phase, at least one."""
+        return replace(self, phases=tuple(replace(p, steps=max(1, round(part * p.steps))) for p in self.phases))
 
     @property
     def split_price(self) -> float:

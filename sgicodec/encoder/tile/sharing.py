@@ -11,10 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec.fit.pyramid import pyramid
+from sgicodec.model.layout import SeedLayout
 from sgicodec.model.texture import ROOT_LOG
 from sgicodec.model.texture_symbols import roots_of
 
-__all__ = ["MIN_WEIGHT", "seed_weights", "smoothed"]
+__all__ = ["MIN_WEIGHT", "part_of_steps", "seed_weights", "smoothed"]
 
 F32 = NDArray[np.float32]
 F64 = NDArray[np.float64]
@@ -24,6 +25,8 @@ FULL_COHERENCE, OCTAVES = 0.82, 14.0
 (docs/notes/2026-11-texture-share.md, "One look at edges in place of a short fit")."""
 MIN_WEIGHT = 1 / 32
 """The least weight."""
+MIN_STEPS = 1 / 4
+"""The least part of a fit's steps (docs/notes/2026-11-ladder.md, "Few steps where there are few seeds")."""
 CALM_BITS = 48.0
 """Bits of texture in a superblock. Where they would buy all of its detail, seeds count in full: there is nothing to
 share."""
@@ -33,6 +36,17 @@ def seed_weights(target: F32, lmbda: float) -> F32:
     """Weights [H, W] up to 1 of the seeds' squared errors in a target [C, H, W], for an encode at λ."""
     octaves = np.clip(OCTAVES * (coherence(target, lmbda) - FULL_COHERENCE), np.log2(MIN_WEIGHT), 0.0)
     return _of_pixels(np.exp2(smoothed(octaves, _BLEND)), target.shape[1:])
+
+
+def part_of_steps(layout: SeedLayout, weights: F32) -> float:
+    """Part of a fit's steps that is worth its time, MIN_STEPS to 1, for seeds that begin in this layout.
+
+    All are where there is one for each superblock of texture, each counted by the weight [H, W] in its cell's middle.
+    """
+    height, width = weights.shape
+    x, y = (np.minimum(layout.corner[:, axis] + layout.cell / 2, side - 1) for axis, side in ((0, width), (1, height)))
+    seeds = float(weights[y.astype(np.intp), x.astype(np.intp)].sum())
+    return min(max(seeds * 4.0**ROOT_LOG / (width * height), MIN_STEPS), 1.0)
 
 
 def coherence(target: F32, lmbda: float) -> F64:

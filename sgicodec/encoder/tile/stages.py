@@ -18,7 +18,7 @@ from sgicodec.bitstream.parts.prior import load_prior
 from sgicodec.bitstream.parts.tile import TileModel
 from sgicodec.encoder.tile.least_squares import LeastSquares
 from sgicodec.encoder.tile.perceptual import Perceptual
-from sgicodec.encoder.tile.sharing import seed_weights
+from sgicodec.encoder.tile.sharing import part_of_steps, seed_weights
 from sgicodec.encoder.tile.state import Prepared, Tile, TileState
 from sgicodec.fit.base_layer import base_layer
 from sgicodec.fit.trainer import Fitted, Trainer
@@ -79,13 +79,15 @@ def share(prepared: Prepared) -> Prepared:
 
 
 def fit(prepared: Prepared) -> TileState:
-    """Fits seeds."""
-    tile = prepared.tile
+    """Fits seeds, in fewer steps where texture will show nearly all and no number of steps was stated."""
+    tile, settings, layout = prepared.tile, prepared.fit, _first_layout(prepared)
+    if tile.spec.texture and tile.settings.steps is None and prepared.weights is not None:
+        settings = settings.shortened(part_of_steps(layout, prepared.weights))
     trainer = Trainer(
         tile.spec,
-        prepared.fit,
+        settings,
         prepared.target,
-        _first_layout(prepared),
+        layout,
         tile.header.family,
         load_prior(tile.spec) if tile.spec.context.prior else None,
         device=tile.device,

@@ -8,12 +8,14 @@ import numpy as np
 import pytest
 from half_texture import half_texture
 
+from sgicodec.encoder.pipeline import encode_picture
 from sgicodec.encoder.plan import Shape, stream_plan
 from sgicodec.encoder.settings import EncodeSettings
-from sgicodec.encoder.tile.sharing import MIN_WEIGHT, coherence, smoothed
+from sgicodec.encoder.tile.sharing import MIN_WEIGHT, coherence, part_of_steps, smoothed
 from sgicodec.encoder.tile.stages import encode, prepare, share
 from sgicodec.encoder.tile.state import Prepared, tile_of
 from sgicodec.encoder.tile.writing import write
+from sgicodec.model.layout import SeedLayout
 from sgicodec.picture import Picture
 
 LMBDA = 0.002
@@ -109,3 +111,21 @@ def test_smoothing_is_a_mirrored_convolution(shape: tuple[int, int]) -> None:
         weight = np.exp(-0.5 * (dy * dy + dx * dx) / sigma**2) / total
         expected[y, x] += weight * plane[mirrored(y + dy, shape[0]), mirrored(x + dx, shape[1])]
     np.testing.assert_allclose(smoothed(plane, sigma), expected, rtol=1e-12)
+
+
+@pytest.mark.parametrize(("weight", "part"), [(1.0, 0.5), (0.75, 0.375), (0.1, 0.25), (3.0, 1.0)])
+def test_few_seeds_are_worth_few_steps(weight: float, part: float) -> None:
+    """Of eight superblocks, four have a seed."""
+    corner = np.array([[0, 0], [96, 32], [64, 0], [126, 62]], np.int32)
+    weights = np.full((64, 128), 9.0, np.float32)
+    weights[[8, 40, 8, 63], [8, 104, 72, 127]] = weight
+    assert part_of_steps(SeedLayout(corner, np.array([4, 4, 4, 1], np.int8)), weights) == pytest.approx(part)
+
+
+def test_a_stated_number_of_steps_stays() -> None:
+    """Of noise, which seeds show next to nothing of."""
+    noise = np.random.default_rng(3).integers(0, 256, (96, 128, 3)).astype(np.uint8)
+    picture = Picture(noise, "rgb", (0.0, 255.0))
+    usual, stated = (encode_picture(picture, EncodeSettings(**how)) for how in ({"effort": 1}, {"steps": 120}))
+    assert usual.steps < 60
+    assert stated.steps == 120
