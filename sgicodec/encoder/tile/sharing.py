@@ -46,7 +46,7 @@ def part_of_steps(layout: SeedLayout, weights: F32) -> float:
     height, width = weights.shape
     x, y = (np.minimum(layout.corner[:, axis] + layout.cell / 2, side - 1) for axis, side in ((0, width), (1, height)))
     seeds = float(weights[y.astype(np.intp), x.astype(np.intp)].sum())
-    return min(max(seeds * (1 << 2 * ROOT_LOG) / (width * height), MIN_STEPS), 1.0)
+    return float(min(max(seeds * (1 << 2 * ROOT_LOG) / (width * height), MIN_STEPS), 1.0))
 
 
 def coherence(target: F32, lmbda: float) -> F64:
