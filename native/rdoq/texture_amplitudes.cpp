@@ -57,10 +57,10 @@ TextureAmplitudes::TextureAmplitudes(const float *planes, int channels_, int64_t
   if (!colours.same()) shares_ = {0, float(-into[3]), float(-into[6])};
   const std::vector<float> mixed = in_colours(planes, into);
   if (!mixed.empty()) planes = mixed.data();
-  for (auto &plane : sizes_) plane.resize(size_t(width * height * channels));
+  for (auto &planes_of_size : sizes_) planes_of_size.reset(new float[size_t(width * height * channels)]);
   parallel_for(kTextureSizes * channels, threads, [&](int64_t job) {
     const int64_t size = job / channels, at = job % channels * width * height;
-    analyse_texture(planes + at, width, height, int(size) + kTextureLeast, sizes_[size].data() + at);
+    analyse_texture(planes + at, width, height, int(size) + kTextureLeast, sizes_[size].get() + at);
   });
 }
 
@@ -77,13 +77,14 @@ void TextureAmplitudes::move(const float *gradient, const int8_t *contrast, cons
   const std::vector<float> mixed = in_colours(gradient, transposed(colours_.matrix()));
   if (!mixed.empty()) gradient = mixed.data();
   const int64_t plane = width * height, roots = plane >> 2 * kTextureRoot, units = plane / (kUnit * kUnit);
-  std::vector<float> gains(size_t(plane * channels)), root_steps(size_t(roots * channels));
+  if (!gains_) gains_.reset(new float[size_t(plane * channels)]);
+  std::vector<float> root_steps(size_t(roots * channels));
   for (int64_t i = 0; i < roots * channels; ++i) root_steps[i] = steps.of(int(i / roots), contrast[i % roots]);
   for (int size = 0; size < kTextureSizes; ++size) {
     const int log = size + kTextureLeast;
     std::vector<double> sums(channels);
     parallel_for(channels, threads, [&](int64_t channel) {
-      float *gain = &gains[channel * plane];
+      float *gain = &gains_[size_t(channel * plane)];
       analyse_texture(gradient + channel * plane, width, height, log, gain, log_size);
       each_cell_row(
           width, height, log, log_size, steps.growth(int(channel), log), &root_steps[channel * roots],
@@ -95,8 +96,8 @@ void TextureAmplitudes::move(const float *gradient, const int8_t *contrast, cons
     const double unit = mean * double(moved * channels) / sum;
     if (!std::isfinite(unit)) continue;
     parallel_for(channels, threads, [&](int64_t channel) {
-      const float *gain = &gains[channel * plane];
-      float *amplitude = &sizes_[size][channel * plane];
+      const float *gain = &gains_[size_t(channel * plane)];
+      float *amplitude = &sizes_[size_t(size)][size_t(channel * plane)];
       each_cell_row(width, height, log, log_size, steps.growth(int(channel), log), &root_steps[channel * roots],
                     [&](int64_t at, const CellRow &step) {
                       for (int u = 0; u < 1 << log; ++u) {

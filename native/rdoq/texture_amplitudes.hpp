@@ -2,6 +2,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "bitstream/texture_field.hpp"
@@ -25,7 +26,7 @@ class TextureAmplitudes {
             const uint8_t *log_size);
 
   const float *of(const TextureCell &cell, int channel) const {
-    return sizes_[cell.log - kTextureLeast].data() + (channel * height + cell.y) * width + cell.x;
+    return sizes_[cell.log - kTextureLeast].get() + (channel * height + cell.y) * width + cell.x;
   }
 
   // By which a channel, but the first, should make good what symbols leave of the first one.
@@ -39,7 +40,8 @@ class TextureAmplitudes {
 
   TextureColours colours_;
   std::array<float, 3> shares_{};
-  std::array<std::vector<float>, kTextureSizes> sizes_;  // [C, height, width]
+  std::array<std::unique_ptr<float[]>, kTextureSizes> sizes_;  // [C, height, width]
+  std::unique_ptr<float[]> gains_;                             // the same, of the last move
 };
 
 }  // namespace sgi
