@@ -96,7 +96,8 @@ def encode_file(origin: str, target: str, options: EncodeOptions, started: float
         mode: Mode = "off" if options.quiet else options.progress
         listener = EncodeListener(mode, options.quiet, options.cluster is not None, origin)
         samples: dict[str, Any] = {"sample_range": options.sample_range, "alpha": options.alpha, "page": options.page}
-        source = stack.enter_context(open_to_encode(data, listener.note, **samples, option="--page"))
+        keeps = options.max_memory is None
+        source = stack.enter_context(open_to_encode(data, listener.note, **samples, option="--page", keeps=keeps))
         executor = _executor(origin, options, source, stack)
         device = device_of(options.device_name, options.device.threads) if executor is None else options.device
         checkpoint = Checkpoint(_part(target, stack), options.resume, options.force)

@@ -226,18 +226,19 @@ def open_to_encode(
     alpha: Alpha = "auto",
     page: int | None = None,
     option: str = "page",
+    keeps: bool = True,
 ) -> Source:
     """The same for an encode, with `note` called for what its owner should know. Where samples of 16 bits or floats
     that are declared as alpha cannot be opacity, they are a band like the others. option: what chooses a page.
     """
     if not isinstance(origin, str | Path | bytes):
         origin = origin.read()
-    source = open_source(origin, sample_range=sample_range, alpha=alpha, page=page, keeps=True)
+    source = open_source(origin, sample_range=sample_range, alpha=alpha, page=page, keeps=keeps)
     try:
         declared = alpha == "auto" and alpha_index(source.channels) is not None and not source.is_associated
         if declared and not source.use.opacity:
             source.close()
-            source = open_source(origin, sample_range=sample_range, alpha="band", page=page, keeps=True)
+            source = open_source(origin, sample_range=sample_range, alpha="band", page=page, keeps=keeps)
             note(NO_OPACITY)
         if page is None and source.pages > 1:
             note(f"the first of {source.pages} pages; {option} chooses another")
