@@ -5,7 +5,6 @@
 
 #include <array>
 #include <cstddef>
-#include <memory>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -26,20 +25,21 @@ bool has_shape(const A &array, size_t rows, size_t columns) {
   return array.shape(0) == rows && array.shape(1) == columns;
 }
 
-// A numpy array that owns what it holds; Shown is T or what numpy calls it.
+// A numpy array of what begins at `first` and lives in `values`, a container whose values stay where they are when it
+// is moved; Shown is T or what numpy calls it.
+template <class Shown, class T, class Values, size_t D>
+auto array_in(Values values, T *first, const std::array<size_t, D> &shape) {
+  auto *owned = new Values(std::move(values));
+  nanobind::capsule owner(owned, [](void *held) noexcept { delete static_cast<Values *>(held); });
+  return nanobind::ndarray<nanobind::numpy, Shown, nanobind::ndim<D>>(reinterpret_cast<Shown *>(first), D, shape.data(),
+                                                                      owner);
+}
+
+// A numpy array that owns what it holds.
 template <class T, class Shown = T, size_t D>
 auto as_array(std::vector<T> values, const std::array<size_t, D> &shape) {
-  auto *owned = new std::vector<T>(std::move(values));
-  nanobind::capsule owner(owned, [](void *held) noexcept { delete static_cast<std::vector<T> *>(held); });
-  return nanobind::ndarray<nanobind::numpy, Shown, nanobind::ndim<D>>(reinterpret_cast<Shown *>(owned->data()), D,
-                                                                      shape.data(), owner);
-}
-// The same of values that no vector holds.
-template <class T, size_t D>
-auto values_as_array(std::unique_ptr<T[]> values, const std::array<size_t, D> &shape) {
-  T *owned = values.release();
-  nanobind::capsule owner(owned, [](void *held) noexcept { delete[] static_cast<T *>(held); });
-  return nanobind::ndarray<nanobind::numpy, T, nanobind::ndim<D>>(owned, D, shape.data(), owner);
+  T *first = values.data();
+  return array_in<Shown>(std::move(values), first, shape);
 }
 
 }  // namespace sgi

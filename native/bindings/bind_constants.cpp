@@ -2,6 +2,7 @@
 
 #include "bindings/arrays.hpp"
 #include "bindings/bindings.hpp"
+#include "image/regular_pattern_kernel.hpp"
 #include "model/constants.hpp"
 #include "rdoq/window_kernel.hpp"
 
@@ -31,6 +32,9 @@ void bind_constants(nb::module_ &m) {
            {"INPUT_LIMIT", sgi::kInputLimit},
            {"HIDDEN_LIMIT", sgi::kHiddenLimit},
            {"WINDOW_PADDING", sgi::kWindowPadding},
+           {"MAX_LANES", sgi::lanes_of(sgi::Isa::avx512)},
+           {"PATTERN_BLOCK", sgi::kPatternBlock},
+           {"PATTERN_WINDOW", sgi::kPatternWindow},
            {"TEXTURE_ROOT_LOG", sgi::kTextureRoot},
            {"TEXTURE_MIN_LOG", sgi::kTextureLeast},
            {"CONTRAST_LIMIT", sgi::kContrastLimit},

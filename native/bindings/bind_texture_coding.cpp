@@ -215,9 +215,10 @@ auto texture_cells(LogSizes log_size, Contrasts contrast, SymbolPlanes symbols, 
   field.find_extents();
   sgi::TextureCells cells = sgi::texture_cells(field, steps_of(steps, slope), excess.data(), mixed, 1);
   const size_t count = cells.log_size.size(), values = size_t(cells.amplitude_count);
+  float *amplitudes = cells.amplitudes.get();
   return std::tuple(as_array<int32_t>(std::move(cells.corner), std::array{count, size_t(2)}),
                     as_array<uint8_t>(std::move(cells.log_size), std::array{count}),
-                    sgi::values_as_array(std::move(cells.amplitudes), std::array{values}));
+                    sgi::array_in<float>(std::move(cells.amplitudes), amplitudes, std::array{values}));
 }
 
 }  // namespace

@@ -21,13 +21,11 @@ __all__ = ["BLOCK", "RegularPatterns", "regular_patterns"]
 F32 = NDArray[np.float32]
 F64 = NDArray[np.float64]
 
-BLOCK = 8
+BLOCK = _native.PATTERN_BLOCK
 """Side of the blocks that are told apart, pixels."""
-_WINDOW = 24
+_WINDOW = _native.PATTERN_WINDOW
 """Side of what is looked at around a block, pixels: about two ribs of a pattern at its lowest frequency. 16 and 32
 were tried (docs/notes/2026-11-regular-patterns.md)."""
-_MAX_LANES = 16
-"""Blocks that are looked at side by side; what lies around the last of them must be there."""
 _MIN_FREQUENCY, _MAX_FREQUENCY = 3.9, 9.5
 """Frequencies of patterns, cycles in a window: periods of 2.5 to 6.2 pixels."""
 _LOBE = 1.9
@@ -62,10 +60,9 @@ def regular_patterns(plane: F64, device: Device = ONE_THREAD) -> RegularPatterns
     """
     spectrum = _spectrum()
     rows, columns = (-(-length // BLOCK) for length in plane.shape)
-    before = (_WINDOW - BLOCK) // 2
+    before, whole = (_WINDOW - BLOCK) // 2, -(-columns // _native.MAX_LANES) * _native.MAX_LANES
     margins = [
-        (before, _WINDOW + count * BLOCK - length)
-        for count, length in zip((rows, -(-columns // _MAX_LANES) * _MAX_LANES), plane.shape, strict=True)
+        (before, _WINDOW + count * BLOCK - length) for count, length in zip((rows, whole), plane.shape, strict=True)
     ]
     beyond = np.pad(plane.astype(np.float32), margins, mode="symmetric")
     ratio, power = np.empty((rows, columns), np.float32), np.empty((rows, columns), np.float32)
