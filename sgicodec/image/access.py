@@ -105,10 +105,14 @@ class Rows:
 
     def read(self, x: int, y: int, width: int, height: int) -> Samples:
         """As `Access` says."""
-        start, stop = y - y % self._step, min(-(-(y + height) // self._step) * self._step, self._opened.spec.height)
+        start, stop = y - y % self._step, self._step_end(y + height)
         if not self._first <= start <= stop <= self._first + len(self._band):
             self._move(start, stop)
         return self._band[y - self._first : y - self._first + height, x : x + width].copy()
+
+    def _step_end(self, row: int) -> int:
+        """The row from `row` on up to which rows must be read."""
+        return min(-(-row // self._step) * self._step, self._opened.spec.height)
 
     def whole(self) -> Samples:
         """All rows, which the caller owns."""
@@ -131,7 +135,7 @@ class Rows:
             self._fill(self._band[: begin - start], start)
             self._fill(self._band[end - start :], end)
         except BaseException:
-            self._band, self._next = self._empty(0), self._opened.spec.height
+            self._band = self._empty(0)
             raise
 
     def _fill(self, band: Samples, start: int) -> None:
@@ -142,6 +146,7 @@ class Rows:
         for top in range(start, start + len(band), rows):
             bottom, offset = min(top + rows, start + len(band)), self._opened.spec.y
             reader = self._opened.image.read_scanlines
+            self._next = self._opened.spec.height  # where a reader stands that fails, nobody knows
             part = self._opened.samples(reader, bottom - top, offset + top, offset + bottom, 0)
             band[top - start : bottom - start] = part
             self._next = bottom
@@ -150,8 +155,11 @@ class Rows:
         """As `Access` says."""
         rows, channels = self._opened.spec.height, self._opened.spec.nchannels
         chunk = min(max(_CHUNK_SAMPLES, self._row_samples * self._step), self._row_samples * rows)
-        band = min(height + 2 * (self._step - 1), rows)
-        return self._row_samples * band + int(max(2 * chunk, width * height * channels))
+        return self._row_samples * self._held_rows(height) + int(max(2 * chunk, width * height * channels))
+
+    def _held_rows(self, height: int) -> int:
+        """Most rows that are kept while windows of this height are read."""
+        return min(height + 2 * (self._step - 1), self._opened.spec.height)
 
 
 class KeptRows(Rows):
@@ -164,20 +172,14 @@ class KeptRows(Rows):
 
     def read(self, x: int, y: int, width: int, height: int) -> Samples:
         """As `Access` says."""
-        stop = min(-(-(y + height) // self._step) * self._step, self._opened.spec.height)
+        stop = self._step_end(y + height)
         if stop > self._known:
-            try:
-                self._fill(self._pixels[self._known : stop], self._known)
-            except BaseException:
-                self._next = self._opened.spec.height  # where a reader stands that failed, nobody knows
-                raise
+            self._fill(self._pixels[self._known : stop], self._known)
             self._known = stop
         return self._pixels[y : y + height, x : x + width].copy()
 
-    def held(self, width: int, height: int) -> int:
-        """As `Access` says."""
-        spec = self._opened.spec
-        return int(super().held(width, height) + spec.width * spec.height * spec.nchannels)
+    def _held_rows(self, height: int) -> int:
+        return self._opened.spec.height
 
 
 class Whole:

@@ -229,7 +229,8 @@ def open_to_encode(
     keeps: bool = True,
 ) -> Source:
     """The same for an encode, with `note` called for what its owner should know. Where samples of 16 bits or floats
-    that are declared as alpha cannot be opacity, they are a band like the others. option: what chooses a page.
+    that are declared as alpha cannot be opacity, they are a band like the others. option: what chooses a page; keeps:
+    as in `open_source`.
     """
     if not isinstance(origin, str | Path | bytes):
         origin = origin.read()

@@ -15,7 +15,7 @@ from sgicodec.encoder.plan import Plan
 from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.metadata.layouts import alpha_index
 from sgicodec.model.tile_grid import Rect
-from sgicodec.picture import Picture, exact_samples, from_unit, nodata_samples, to_unit
+from sgicodec.picture import Picture, exact_samples, from_unit, nodata_mask, nodata_samples, to_unit
 from sgicodec.profiles.default import lmbda_of_quality
 
 __all__ = ["overview_picture", "overview_settings", "takes_overview"]
@@ -92,11 +92,11 @@ class _Band(NamedTuple):
     def add(self, window: Picture, rect: Rect, down: _Boxes, across: _Boxes) -> None:
         """Counts the pixels of a window."""
         x, top, width, height = rect
+        column, of_columns = across.shares(x, width)
         for first in range(0, height, _ROWS):
             part = replace(window, pixels=window.pixels[first : first + _ROWS])
             weighed, rows = _weighed(part), len(part.pixels)
             row, of_rows = down.shares(top + first, rows)
-            column, of_columns = across.shares(x, width)
             sums = of_columns @ (of_rows @ weighed.reshape(rows, -1)).reshape(-1, *weighed.shape[1:])
             self.total[row - self.first :, column:][: len(of_rows), : len(of_columns)] += sums
             if window.nodata is not None:
@@ -124,13 +124,11 @@ def _weighed(part: Picture) -> F32:
     """
     unit, alpha = to_unit(part), part.alpha
     weights = np.ones_like(unit)
-    if alpha is None and part.nodata is None and not part.exact:
-        return np.concatenate([unit, weights], axis=-1)
-    nodata = nodata_samples(part)
     if alpha is not None:
         weights[..., :alpha] = unit[..., alpha:]
-        weights[..., alpha] = ~nodata.all(axis=-1)
-    weights[..., :alpha][nodata | exact_samples(part)] = 0
+        weights[..., alpha] = ~nodata_mask(part)
+    if part.nodata is not None or part.exact:
+        weights[..., :alpha][nodata_samples(part) | exact_samples(part)] = 0
     return np.concatenate([unit * weights, weights], axis=-1)
 
 
