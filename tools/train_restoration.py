@@ -9,8 +9,9 @@ drawn without a correction, and the network learns what their pixels lack, in cr
 last part of the training it computes in the integers of its file.
 
 For the eye, the loss is in logarithms of bytes: what SSIMULACRA 2 lacks, by the slope of each picture's own curve, and
-shares of the logarithms of Butteraugli's 3-norm and of the squared error. Crops are large, for SSIMULACRA 2 scores
-small ones differently.
+a share of the logarithm of the squared error. Crops are large, for SSIMULACRA 2 scores small ones differently. The
+network that is shipped for the eye learned from Butteraugli as well (docs/notes/2026-11-restoration.md); commit
+6df7d7c1 is the last that has its gradient.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ from dataclasses import dataclass, replace
 from io import BytesIO
 from itertools import groupby
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import torch
@@ -40,14 +41,13 @@ from sgicodec.device import ONE_THREAD, Device
 from sgicodec.encoder.effort import Tune
 from sgicodec.encoder.pipeline import encode_picture
 from sgicodec.encoder.settings import EncodeSettings
-from sgicodec.metrics.butteraugli import ButteraugliReference
 from sgicodec.metrics.visual_score import VisualReference
 from sgicodec.model.gaussians import colour_matrix
 from sgicodec.model.luma_space import to_luma_space
 from sgicodec.rdoq.objective import with_values
 from tools.restoration_file import RestorationNet, file_of, network_of
 
-__all__ = ["TRAININGS", "Example", "Training", "Weights", "examples_of", "loss_of", "make_streams", "train"]
+__all__ = ["SQUARED", "TRAININGS", "Example", "Training", "examples_of", "loss_of", "make_streams", "train"]
 
 MIN_ERROR = 0.003
 """Squared error, in squared steps, that is added so that flat crops do not rule."""
@@ -115,12 +115,8 @@ class Example:
         return replace(self, original=cut(self.original), drawn=cut(self.drawn))
 
 
-class Weights(NamedTuple):
-    """What counts for the eye, in shares of what SSIMULACRA 2 counts."""
-
-    butteraugli: float = 3.0
-    squared: float = 0.15
-
+SQUARED = 0.15
+"""What the squared error counts for the eye, in shares of what SSIMULACRA 2 counts."""
 
 Loss = Callable[[Example, Tensor], Tensor]
 
@@ -130,15 +126,12 @@ def squared_loss(crop: Example, shown: Tensor) -> Tensor:
     return torch.log(((shown - crop.original) / crop.step).square().mean() + MIN_ERROR)
 
 
-def visual_loss(crop: Example, shown: Tensor, weights: Weights) -> Tensor:
+def visual_loss(crop: Example, shown: Tensor, squared: float) -> Tensor:
     """What a crop as it is shown lacks for the eye, in logarithms of bytes."""
     pixels, original = shown.detach().contiguous(), crop.original.numpy()
     score, slopes = VisualReference(original, ONE_THREAD).gradient(pixels.numpy())
     loss = -(score + ((shown - pixels) * torch.from_numpy(slopes)).sum()) / crop.slope
-    distance, _, slopes = ButteraugliReference(original, ONE_THREAD).gradient(pixels.numpy())
-    farther = ((shown - pixels) * torch.from_numpy(slopes)).sum() / distance
-    loss = loss + weights.butteraugli * (math.log(distance) + farther)
-    return loss + weights.squared * torch.log((shown - crop.original).square().mean() + 1e-12)
+    return loss + squared * torch.log((shown - crop.original).square().mean() + 1e-12)
 
 
 def taught_loss(teacher: RestorationNet) -> Loss:
@@ -153,11 +146,11 @@ def taught_loss(teacher: RestorationNet) -> Loss:
     return loss
 
 
-def loss_of(tune: Tune, weights: Weights | None = None) -> Loss:
+def loss_of(tune: Tune, squared: float = SQUARED) -> Loss:
     """What a network of this tuning learns by."""
     if tune == "psnr":
         return squared_loss
-    return lambda crop, shown: visual_loss(crop, shown, weights or Weights())
+    return lambda crop, shown: visual_loss(crop, shown, squared)
 
 
 def without_correction(stream: bytes) -> bytes:
@@ -287,8 +280,7 @@ def main() -> None:
     parser.add_argument("--steps", type=int, default=5000, help="batches")
     parser.add_argument("--rate", type=float, help="of learning, at most")
     parser.add_argument("--rounds", type=float, default=0.4, help="share of the batches before it rounds")
-    parser.add_argument("--butteraugli", type=float, default=Weights().butteraugli, help="weight, for the eye")
-    parser.add_argument("--squared", type=float, default=Weights().squared, help="weight, for the eye")
+    parser.add_argument("--squared", type=float, default=SQUARED, help="weight, for the eye")
     parser.add_argument("--threads", type=int, default=2)
     options = parser.parse_args()
     torch.set_num_threads(options.threads)
@@ -303,7 +295,7 @@ def main() -> None:
     print(f"{len(examples)} streams", flush=True)
     fresh = options.start is None
     network = RestorationNet(options.channels, options.layers) if fresh else network_of(options.start.read_bytes())
-    loss = loss_of(options.tune, Weights(options.butteraugli, options.squared))
+    loss = loss_of(options.tune, options.squared)
     if options.teacher:
         loss = taught_loss(network_of(options.teacher.read_bytes()))
     train(network, examples, loss, training, options.steps, options.rounds)

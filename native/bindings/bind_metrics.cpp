@@ -2,7 +2,6 @@
 
 #include "bindings/arrays.hpp"
 #include "bindings/bindings.hpp"
-#include "metrics/butteraugli.hpp"
 #include "metrics/visual_reference.hpp"
 
 namespace nb = nanobind;
@@ -17,32 +16,11 @@ sgi::SrgbPicture shape_of(const Array<const float, 3> &picture) {
 }
 
 // A reference, and the shape that decoded pictures must have.
-template <class Native>
-class Reference {
+class VisualReference {
  public:
-  Reference(Array<const float, 3> original, int threads, const std::string &isa)
+  VisualReference(Array<const float, 3> original, int threads, const std::string &isa)
       : reference_(shape_of(original), threads, sgi::choose_isa(isa)),
         shape_{original.shape(0), original.shape(1), original.shape(2)} {}
-
- protected:
-  template <class A>
-  void require_shape(const A &array) const {
-    for (size_t i = 0; i < 3; ++i) require(array.shape(i) == shape_[i], "a picture has not the original's shape");
-  }
-  template <class A>
-  void require_map(const A &map) const {
-    for (size_t i = 0; i < 2; ++i) require(map.shape(i) == shape_[i + 1], "a map has not the original's sides");
-  }
-
-  Native reference_;
-
- private:
-  size_t shape_[3];
-};
-
-class VisualReference : public Reference<sgi::VisualReference> {
- public:
-  using Reference::Reference;
 
   double score(Array<const float, 3> decoded) const {
     require_shape(decoded);
@@ -55,25 +33,15 @@ class VisualReference : public Reference<sgi::VisualReference> {
     nb::gil_scoped_release release;
     return reference_.gradient(decoded.data(), out.data());
   }
-};
 
-class ButteraugliReference : public Reference<sgi::ButteraugliReference> {
- public:
-  using Reference::Reference;
+ private:
+  template <class A>
+  void require_shape(const A &array) const {
+    for (size_t i = 0; i < 3; ++i) require(array.shape(i) == shape_[i], "a picture has not the original's shape");
+  }
 
-  double distance(Array<const float, 3> decoded, Array<float, 2> map) const {
-    require_shape(decoded);
-    require_map(map);
-    nb::gil_scoped_release release;
-    return reference_.distance(decoded.data(), map.data());
-  }
-  double gradient(Array<const float, 3> decoded, Array<float, 2> map, Array<float, 3> out) const {
-    require_shape(decoded);
-    require_map(map);
-    require_shape(out);
-    nb::gil_scoped_release release;
-    return reference_.gradient(decoded.data(), map.data(), out.data());
-  }
+  sgi::VisualReference reference_;
+  size_t shape_[3];
 };
 
 }  // namespace
@@ -83,8 +51,4 @@ void bind_metrics(nb::module_ &m) {
       .def(nb::init<Array<const float, 3>, int, const std::string &>(), "original"_a, "threads"_a, "isa"_a)
       .def("score", &VisualReference::score, "decoded"_a)
       .def("gradient", &VisualReference::gradient, "decoded"_a, "out"_a);
-  nb::class_<ButteraugliReference>(m, "ButteraugliReference")
-      .def(nb::init<Array<const float, 3>, int, const std::string &>(), "original"_a, "threads"_a, "isa"_a)
-      .def("distance", &ButteraugliReference::distance, "decoded"_a, "map"_a)
-      .def("gradient", &ButteraugliReference::gradient, "decoded"_a, "map"_a, "out"_a);
 }

@@ -51,10 +51,7 @@ class Effort:
     """Up to how many times the cost of the other choice, by an estimate, a block of texture is tried whole or divided;
     1 trusts the estimate."""
     ascent_passes: int
-    """Passes of gradient ascent on what the eye sees, each of which searches texture anew."""
-    butteraugli: int
-    """How many of them one gradient of Butteraugli serves, which takes five times as long as that of SSIMULACRA 2; 0
-    where they climb the latter alone (docs/notes/2026-11-ladder.md)."""
+    """Passes of gradient ascent on SSIMULACRA 2, each of which searches texture anew."""
 
 
 def steps_of(effort: int, tuned_for: Tune, has_texture: bool) -> int:
@@ -69,30 +66,18 @@ def effort_of(steps: int, tuned_for: Tune, is_low: bool = False) -> Effort:
     on is worth its time from there on; before, more steps gain more in the same time.
     """
     rdoq_passes = _within(2, round(steps / 250), 32)
-    ascent_passes = _passes(steps) if tuned_for == "visual" else 0
     return Effort(
         steps=steps,
         seed_price=min(max(4.2 * float((200 / steps) ** 0.3), 2.1), 5.0),
         rdoq=RdoqSettings(passes=1, deep=1) if is_low else RdoqSettings(passes=rdoq_passes),
         split_margin=NO_SPLIT_SEARCH if is_low else SPLIT_SEARCH_MARGIN,
-        ascent_passes=ascent_passes,
-        butteraugli=_passes_of_butteraugli(ascent_passes),
+        ascent_passes=_passes(steps) if tuned_for == "visual" else 0,
     )
 
 
 def _passes(steps: int) -> int:
     """Passes of ascent. Up to six they gain more than other things in the same time (docs/notes/2026-11-ladder.md)."""
     return 8 if steps >= 1000 else _within(1, steps // 50 - 1, 6)
-
-
-def _passes_of_butteraugli(passes: int) -> int:
-    """Passes that one gradient of Butteraugli serves; 0 for a single pass, which gains 1.5 % of bytes by SSIMULACRA 2
-    without it and loses 2.5 % by Butteraugli. Two for each cost 0.1 % in the mean of both scores where there are few,
-    0.6 % where there are six or more, and an encode takes 0.91 and 0.96 of the seconds (docs/notes/2026-11-ladder.md).
-    """
-    if passes < 2:
-        return 0
-    return 2 if passes < 6 else 1
 
 
 def _within(low: int, value: int, high: int) -> int:

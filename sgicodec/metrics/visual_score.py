@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from sgicodec import _native
 from sgicodec.device import ALL_CORES, Device
-from sgicodec.metrics.native_reference import NativeReference
+from sgicodec.errors import UsageError
 
 __all__ = ["VisualReference", "visual_score"]
 
@@ -29,7 +29,7 @@ def visual_score(original: Rgb8, decoded: Rgb8, device: Device = ALL_CORES) -> f
     return VisualReference(_samples(original), device).score(_samples(decoded))
 
 
-class VisualReference(NativeReference[_native.VisualReference]):
+class VisualReference:
     """An original [C, H, W], sRGB samples in 0..1, that decoded pictures of this shape are compared with.
 
     With one channel or two the first is gray; channels behind the third count nothing. Samples outside 0..1 are
@@ -39,7 +39,10 @@ class VisualReference(NativeReference[_native.VisualReference]):
 
     def __init__(self, original: F32, device: Device = ALL_CORES) -> None:
         """Raises UsageError unless `original` has three dimensions and samples."""
-        super().__init__(_native.VisualReference, original, device)
+        if original.ndim != 3 or original.size == 0:
+            raise UsageError(f"a picture must be a filled array [C, H, W], not of shape {original.shape}")
+        self._shape = original.shape
+        self._native = _native.VisualReference(_plain(original), device.threads, device.isa)
 
     def score(self, decoded: F32) -> float:
         """SSIMULACRA 2: 100 for equal pictures, and where a side is under 8 pixels; no lower end.
@@ -56,6 +59,15 @@ class VisualReference(NativeReference[_native.VisualReference]):
         """
         gradient = np.empty(self._shape, np.float32)
         return self._native.gradient(self._checked(decoded), gradient), gradient
+
+    def _checked(self, decoded: F32) -> F32:
+        if decoded.shape != self._shape:
+            raise UsageError(f"a decoded picture of shape {decoded.shape} does not fit the original's {self._shape}")
+        return _plain(decoded)
+
+
+def _plain(picture: F32) -> F32:
+    return np.ascontiguousarray(picture, np.float32)
 
 
 def _samples(pixels: Rgb8) -> F32:

@@ -1,15 +1,13 @@
-"""Texture for the eye: gradient ascent on two scores. Seeds stay as they are, for errors that are least to them are not
-to the eye.
+"""Texture for the eye: gradient ascent on SSIMULACRA 2. Seeds stay as they are, for errors that are least to them are
+not to the eye.
 
-The search weighs squared errors by frequency and place alone. The gradient of a score at what is decoded says which of
-the errors that are left are seen. SSIMULACRA 2 looks at structure; Butteraugli looks at differences, the largest most
-of all, and holds back what the other would overdo in places. A target that has moved up the gradient makes the same
-search trade errors better: squared error to it is a quadratic model of the scores, renewed in each pass. The model
-holds near by only, so that amplitudes move by a small part of their steps at a time. Between superblocks, steps are
-traded by the same gradient: they are best where a bit more gains as much everywhere. To first order, the errors of a
-superblock take from a score what its gradient says of them. That falls with the square of the step, while each symbol
-that is not 0 takes about a bit more for half the step. So all superblocks should lose as much of the score for each of
-their symbols.
+The search weighs squared errors by frequency and place alone. The gradient of the score at what is decoded says which
+of the errors that are left are seen. A target that has moved up the gradient makes the same search trade errors better:
+squared error to it is a quadratic model of the score, renewed in each pass. The model holds near by only, so that
+amplitudes move by a small part of their steps at a time. Between superblocks, steps are traded by the same gradient:
+they are best where a bit more gains as much everywhere. To first order, the errors of a superblock take from the score
+what its gradient says of them. That falls with the square of the step, while each symbol that is not 0 takes about a
+bit more for half the step. So all superblocks should lose as much of the score for each of their symbols.
 """
 
 from __future__ import annotations
@@ -24,7 +22,6 @@ from sgicodec.encoder.quality_calibration import CalibratedSteps
 from sgicodec.encoder.tile.restoration import Strength, rendered_over
 from sgicodec.encoder.tile.sharing import smoothed
 from sgicodec.encoder.tile.state import TileState
-from sgicodec.metrics.butteraugli import ButteraugliReference
 from sgicodec.metrics.visual_score import VisualReference
 from sgicodec.model.luma_space import from_luma_space
 from sgicodec.model.texture_symbols import CONTRAST_LIMIT, TextureSymbols, root_blocks
@@ -35,10 +32,6 @@ __all__ = ["Perceptual", "ScoreAscent", "better_offsets"]
 F32 = NDArray[np.float32]
 Offsets = NDArray[np.int8] | None
 
-BUTTERAUGLI = 60.0
-"""Points of SSIMULACRA 2 for which the logarithm of Butteraugli's 3-norm falls by one. 80 takes more bytes at equal
-scores, by both (docs/notes/2026-11-score-ascent.md).
-"""
 MEAN_MOVE = 0.015
 """Of amplitudes in a single pass, in steps (docs/notes/2026-11-ladder.md)."""
 SHORTER_BY_PASSES = 0.6
@@ -49,7 +42,7 @@ MAX_MOVE = 12.0
 
 
 class Perceptual:
-    """Texture of the best scores for the bits."""
+    """Texture of the best score for the bits."""
 
     def lay(self, state: TileState) -> TileState:
         """As in `LeastSquares`, or for the quality that the plan is calibrated to."""
@@ -82,7 +75,7 @@ class Perceptual:
         first, usual = state.best_layer(search, step, price), state.step_offsets
         state = replace(state, strength=state.best_strength(search, first))
         seen = (tile.unit, tile.spec.luma_space, tile.empty)
-        ascent = ScoreAscent(*seen, tile.device, passes, state.strength, tile.effort.butteraugli)
+        ascent = ScoreAscent(*seen, tile.device, passes, state.strength)
         steps = CalibratedSteps(tile.plan.calibrated_quality, step, passes)
         layer: TextureSymbols | None = None
         score: float | None = None
@@ -100,8 +93,7 @@ class Perceptual:
 class ScoreAscent:
     """The ascent for layers of one picture in so many passes. unit [C, H, W]: what they are to show, in luma space
     where `luma_space`; empty [H, W]: pixels that count nothing, None for none; strength: with which what is rendered is
-    restored, None for not at all; butteraugli: passes that a gradient of it serves beside those of SSIMULACRA 2, 0
-    where it is not followed.
+    restored, None for not at all.
     """
 
     def __init__(
@@ -112,13 +104,10 @@ class ScoreAscent:
         device: Device,
         passes: int,
         strength: Strength | None = None,
-        butteraugli: int = 1,
     ) -> None:
         self.unit, self.luma_space, self.empty, self.device, self.strength = unit, luma_space, empty, device, strength
-        self._mean_move, original = MEAN_MOVE / passes**SHORTER_BY_PASSES, self._seen(unit)
-        self._structure = VisualReference(original, device)
-        self._differences = ButteraugliReference(original, device) if butteraugli else None
-        self._serves, self._passes, self._distance = butteraugli, 0, (0.0, unit)
+        self._mean_move = MEAN_MOVE / passes**SHORTER_BY_PASSES
+        self._reference = VisualReference(self._seen(unit), device)
 
     def climb(
         self,
@@ -133,7 +122,7 @@ class ScoreAscent:
         of this one; usual: of the first; None for none.
         """
         rendered = self._rendered(search, layer)
-        score, gradient = self._judged(self._seen(rendered))
+        score, gradient = self._reference.gradient(self._seen(rendered))
         gradient = self._in_unit(gradient)
         if self.empty is not None:
             gradient[:, self.empty] = 0
@@ -143,24 +132,6 @@ class ScoreAscent:
             gain = (gradient * (self.unit - rendered)).sum(axis=0)
             offsets = better_offsets(offsets, usual, gain, layer)
         return score, offsets
-
-    def _judged(self, decoded: F32) -> tuple[float, F32]:
-        """SSIMULACRA 2 of a picture [C, H, W], and the gradient of what is climbed [C, H, W]."""
-        score, gradient = self._structure.gradient(decoded)
-        if self._differences is None:
-            return score, gradient
-        distance, farther = self._next_distance(self._differences, decoded)
-        if distance == 0:  # it has a side of a few pixels
-            return score, gradient
-        return score, gradient - np.float32(BUTTERAUGLI / distance) * farther
-
-    def _next_distance(self, differences: ButteraugliReference, decoded: F32) -> tuple[float, F32]:
-        """Butteraugli of a picture and its gradient [C, H, W], or those of a pass before which serve this one, too."""
-        if self._passes % self._serves == 0:
-            distance, _, farther = differences.gradient(decoded)
-            self._distance = distance, farther
-        self._passes += 1
-        return self._distance
 
     def _rendered(self, search: TextureSearch, symbols: TextureSymbols) -> F32:
         """What a layer shows over the seeds of `search`, restored."""

@@ -126,8 +126,8 @@ SEED_BYTES = 1400
 UNIFORM_SAMPLE_BYTES, UNIFORM_ATTRIBUTE_BYTES = 6, 100
 """In a uniform layout: for each sample, and for each attribute of each seed, 7.4 kB for the 74 of K = 10, D = 50.
 Measured with 1,000 and 40,000 seeds in 0.4 megapixels 110 and 381 MiB, with 350,000 in 52.3 megapixels 3,318."""
-SCORED_PIXEL_BYTES, SCORED_CHANNEL_BYTES = 320, 50
-"""For each pixel, and for each of its channels, while scores say what texture should show; 180 are Butteraugli's."""
+SCORED_PIXEL_BYTES, SCORED_CHANNEL_BYTES = 140, 50
+"""For each pixel, and for each of its channels, while a score says what texture should show."""
 MAX_SEEDS, USUAL_SEEDS, USUAL_LMBDA = 0.25, 0.1, 0.5 * 2 ** (-49 / 8)
 """Seeds for each pixel: cells have four pixels at least; dense texture starts with a tenth at quality 50."""
 
