@@ -187,7 +187,7 @@ PARTS = {
 
 def print_fit(device: Device, picture: Picture) -> None:
     """Seconds of a fit alone at the default effort, and of each of its steps."""
-    plan = stream_plan(windows_of(picture).shape, EncodeSettings(steps=PLAIN_STEPS[5], tile=0))
+    plan = stream_plan(windows_of(picture).shape, EncodeSettings(steps=PLAIN_STEPS[6], tile=0))
     times = [time.monotonic()]
 
     class Noting(NullListener):
@@ -221,12 +221,12 @@ def print_large(name: str, picture: str | None) -> None:
 
 def print_encodes(device: Device, picture: Picture) -> None:
     """Seconds of an encode at the default effort, on the GPU and on the processor."""
-    settings = EncodeSettings(steps=PLAIN_STEPS[5])
+    settings = EncodeSettings(steps=PLAIN_STEPS[6])
     for one in (device, Device(device.threads)):
         started = time.monotonic()
         encode_picture(picture, settings, device=one)
         seconds, where = time.monotonic() - started, "processor" if one.gpu is None else "GPU"
-        click.echo(f"{picture.width}×{picture.height}, {PLAIN_STEPS[5]} steps, {where}: {seconds:.2f} s, whole encode")
+        click.echo(f"{picture.width}×{picture.height}, {PLAIN_STEPS[6]} steps, {where}: {seconds:.2f} s, whole encode")
 
 
 @click.command()
@@ -234,7 +234,7 @@ def print_encodes(device: Device, picture: Picture) -> None:
 @click.option("--floors", "only_floors", is_flag=True, help="Only count and print the floors; needs no GPU.")
 @click.option("--resources", is_flag=True, help="Only compile for all architectures; needs NVRTC and no GPU.")
 @click.option("--kernels-alone", is_flag=True, help="Only what compute-sanitizer runs: each kernel once.")
-@click.option("--steps", default=PLAIN_STEPS[5], show_default=True, help="Steps of the encodes that are compared.")
+@click.option("--steps", default=PLAIN_STEPS[6], show_default=True, help="Steps of the encodes that are compared.")
 @click.option("--seeds", default=8, show_default=True, help="How often each crop is encoded.")
 @click.option("--repeat", default=20, show_default=True, help="How often each pass is timed.")
 @click.option("--large", type=click.Path(exists=True), help="A large picture, encoded to 31 and to 36 dB.")

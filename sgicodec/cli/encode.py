@@ -85,7 +85,7 @@ __all__ = ["encode"]
     help="Levels by which no sample may be off; floats by so much.",
 )
 @click.option("--lossless", is_flag=True, help="Every sample as it is: --max-error 0.")
-@click.option("-e", "--effort", type=EFFORT, metavar="1-9", show_default="3", help="More is smaller and slower.")
+@click.option("-e", "--effort", type=EFFORT, metavar="1-9", show_default="4", help="More is smaller and slower.")
 @click.option("--profile", type=click.Choice(["default", "paper"]), default="default", show_default=True)
 @click.option("--seeds", type=int, metavar="N", help="Number of seeds; paper profile.")
 @click.option("--per-seed", type=int, metavar="K", help="Gaussians of each seed; paper profile.")

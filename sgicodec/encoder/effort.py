@@ -26,11 +26,11 @@ __all__ = [
 Tune = Literal["psnr", "visual"]
 """Least squared error or the eye."""
 
-PLAIN_STEPS = {1: 120, 2: 200, 3: 350, 4: 600, 5: 1000, 6: 1600, 7: 2500, 8: 4000, 9: 8000}
+PLAIN_STEPS = {1: 80, 2: 120, 3: 200, 4: 350, 5: 600, 6: 1000, 7: 2000, 8: 4000, 9: 8000}
 """Steps of each effort without texture."""
-PSNR_STEPS = {1: 120, 2: 200, 3: 600, 4: 900, 5: 1400, 6: 2200, 7: 3200, 8: 5000, 9: 10000}
+PSNR_STEPS = {1: 60, 2: 120, 3: 200, 4: 600, 5: 900, 6: 1400, 7: 2500, 8: 5000, 9: 10000}
 """The same towards least squared error with texture."""
-VISUAL_STEPS = {1: 120, 2: 200, 3: 300, 4: 450, 5: 900, 6: 1400, 7: 2000, 8: 3200, 9: 6400}
+VISUAL_STEPS = {1: 60, 2: 130, 3: 200, 4: 300, 5: 450, 6: 900, 7: 1600, 8: 3200, 9: 6400}
 """The same for the eye with texture, which sees more of texture than of what more steps give to seeds."""
 LOW_EFFORT_STEPS = 300
 """From so many on, all that RDOQ and the search of texture have is worth its time."""
@@ -77,7 +77,7 @@ def effort_of(steps: int, tuned_for: Tune, is_low: bool = False) -> Effort:
 
 def _passes(steps: int) -> int:
     """Passes of ascent. Up to six they gain more than other things in the same time (docs/notes/2026-11-ladder.md)."""
-    return 8 if steps >= 1000 else _within(1, steps // 50 - 1, 6)
+    return 8 if steps >= 1000 else _within(1, round(steps / 50) - 1, 6)
 
 
 def _within(low: int, value: int, high: int) -> int:

@@ -38,7 +38,7 @@ class EncodeSettings:
     """
     lmbda: float | None = None
     """λ itself: squared error, samples in 0..1, that one bit must save."""
-    effort: int = 3
+    effort: int = 4
     """1 to 9: steps of the fit, and what follows from them (`effort.py`), in the default profile."""
     profile: Literal["default", "paper"] = "default"
     """Which model, and how it is fitted."""

@@ -71,7 +71,7 @@ def test_json(picture: Path, tmp_path: Path, pixels: np.ndarray) -> None:
 @pytest.mark.parametrize(
     ("options", "expected"),
     [
-        ([], {"quality": None, "lmbda": None, "effort": 3, "profile": "default", "seed": 0, "metadata": True}),
+        ([], {"quality": None, "lmbda": None, "effort": 4, "profile": "default", "seed": 0, "metadata": True}),
         (["-q", "73.5"], {"quality": 73.5}),
         (["--quality", "1"], {"quality": 1.0}),
         (["--lmbda", "0.25"], {"lmbda": 0.25}),
