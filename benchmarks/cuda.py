@@ -39,7 +39,6 @@ from sgicodec.cuda.gpu import Gpu, opened
 from sgicodec.cuda.tiles import TilePasses
 from sgicodec.decoder.stream import open_stream
 from sgicodec.device import Device
-from sgicodec.encoder.effort import PLAIN_STEPS
 from sgicodec.encoder.input.windows import windows_of
 from sgicodec.encoder.pipeline import encode_picture
 from sgicodec.encoder.plan import stream_plan
@@ -59,6 +58,8 @@ __all__ = ["main"]
 SCENES = (Scene(50_000, 4.0), Scene(500_000, 1.3))
 STREAM = Path(__file__).parents[1] / "tests" / "conformance" / "golden" / "rgb8-texture.sgi"
 TILE = 256
+STEPS = 1000
+"""Of the fits and encodes that are timed."""
 PICTURE = Path(__file__).parents[1] / "tests" / "data" / "kodim23.png"
 
 
@@ -186,8 +187,8 @@ PARTS = {
 
 
 def print_fit(device: Device, picture: Picture) -> None:
-    """Seconds of a fit alone at the default effort, and of each of its steps."""
-    plan = stream_plan(windows_of(picture).shape, EncodeSettings(steps=PLAIN_STEPS[6], tile=0))
+    """Seconds of a fit alone, and of each of its steps."""
+    plan = stream_plan(windows_of(picture).shape, EncodeSettings(steps=STEPS, tile=0))
     times = [time.monotonic()]
 
     class Noting(NullListener):
@@ -220,13 +221,13 @@ def print_large(name: str, picture: str | None) -> None:
 
 
 def print_encodes(device: Device, picture: Picture) -> None:
-    """Seconds of an encode at the default effort, on the GPU and on the processor."""
-    settings = EncodeSettings(steps=PLAIN_STEPS[6])
+    """Seconds of an encode, on the GPU and on the processor."""
+    settings = EncodeSettings(steps=STEPS)
     for one in (device, Device(device.threads)):
         started = time.monotonic()
         encode_picture(picture, settings, device=one)
         seconds, where = time.monotonic() - started, "processor" if one.gpu is None else "GPU"
-        click.echo(f"{picture.width}×{picture.height}, {PLAIN_STEPS[6]} steps, {where}: {seconds:.2f} s, whole encode")
+        click.echo(f"{picture.width}×{picture.height}, {STEPS} steps, {where}: {seconds:.2f} s, whole encode")
 
 
 @click.command()
@@ -234,7 +235,7 @@ def print_encodes(device: Device, picture: Picture) -> None:
 @click.option("--floors", "only_floors", is_flag=True, help="Only count and print the floors; needs no GPU.")
 @click.option("--resources", is_flag=True, help="Only compile for all architectures; needs NVRTC and no GPU.")
 @click.option("--kernels-alone", is_flag=True, help="Only what compute-sanitizer runs: each kernel once.")
-@click.option("--steps", default=PLAIN_STEPS[6], show_default=True, help="Steps of the encodes that are compared.")
+@click.option("--steps", default=STEPS, show_default=True, help="Steps of the encodes that are compared.")
 @click.option("--seeds", default=8, show_default=True, help="How often each crop is encoded.")
 @click.option("--repeat", default=20, show_default=True, help="How often each pass is timed.")
 @click.option("--large", type=click.Path(exists=True), help="A large picture, encoded to 31 and to 36 dB.")

@@ -110,7 +110,7 @@ def _ratio(pixels: Samples, red: int, infrared: int) -> Samples:
 @click.argument("path", type=click.Path(path_type=Path, exists=True))
 @click.option("--red", default=1, show_default=True, help="Number of the red band, from 1.")
 @click.option("--infrared", default=4, show_default=True, help="Number of the near infrared band.")
-@click.option("--effort", default=4, show_default=True, help="Of the encodes.")
+@click.option("--effort", default=EncodeSettings.effort, show_default=True, help="Of the encodes.")
 def main(path: Path, red: int, infrared: int, effort: int) -> None:
     """Code PATH at several qualities and compare NDVI and infrared / red with those of the source."""
     picture = read(path)

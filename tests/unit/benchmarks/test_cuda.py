@@ -32,7 +32,7 @@ def test_everything_in_one_run(tmp_path, monkeypatch: pytest.MonkeyPatch) -> Non
     monkeypatch.setattr(cuda, "TILE", 32)
     monkeypatch.setattr(checks, "J_TOLERANCE", 0.2)  # two fits of eight steps
     monkeypatch.setattr(checks.shutil, "which", lambda name: None)
-    monkeypatch.setitem(cuda.PLAIN_STEPS, 6, 8)
+    monkeypatch.setattr(cuda, "STEPS", 8)
     y, x = np.mgrid[:32, :40]
     pixels = np.stack([x * 6, y * 7, x + y], axis=2).astype(np.uint8)
     write(Picture(pixels, "rgb", (0, 255)), tmp_path / "a.png")
