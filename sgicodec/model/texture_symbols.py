@@ -102,9 +102,9 @@ def whole_roots(planes: NDArray[Any], beyond: Beyond) -> NDArray[Any]:
     return np.pad(planes, [(0, 0)] * len(others) + list(margins), mode=beyond)
 
 
-def root_blocks(plane: NDArray[Any], beyond: Beyond) -> NDArray[Any]:
-    """A plane [H, W] by its superblocks [rows, 32, columns, 32]."""
-    whole, side = whole_roots(plane, beyond), 1 << ROOT_LOG
+def root_blocks(plane: NDArray[Any]) -> NDArray[Any]:
+    """A plane [H, W] by its superblocks [rows, 32, columns, 32], which repeat its edges beyond it."""
+    whole, side = whole_roots(plane, "edge"), 1 << ROOT_LOG
     return whole.reshape(len(whole) >> ROOT_LOG, side, whole.shape[1] >> ROOT_LOG, side)
 
 

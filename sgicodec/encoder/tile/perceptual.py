@@ -4,10 +4,7 @@ not to the eye.
 The search weighs squared errors by frequency and place alone. The gradient of the score at what is decoded says which
 of the errors that are left are seen. A target that has moved up the gradient makes the same search trade errors better:
 squared error to it is a quadratic model of the score, renewed in each pass. The model holds near by only, so that
-amplitudes move by a small part of their steps at a time. Between superblocks, steps are traded by the same gradient:
-they are best where a bit more gains as much everywhere. To first order, the errors of a superblock take from the score
-what its gradient says of them. That falls with the square of the step, while each symbol that is not 0 takes about a
-bit more for half the step. So all superblocks should lose as much of the score for each of their symbols.
+amplitudes move by a small part of their steps at a time.
 """
 
 from __future__ import annotations
@@ -20,14 +17,13 @@ from numpy.typing import NDArray
 from sgicodec.device import Device
 from sgicodec.encoder.quality_calibration import CalibratedSteps
 from sgicodec.encoder.tile.restoration import Strength, rendered_over
-from sgicodec.encoder.tile.sharing import smoothed
 from sgicodec.encoder.tile.state import TileState
 from sgicodec.metrics.visual_score import VisualReference
 from sgicodec.model.luma_space import from_luma_space
-from sgicodec.model.texture_symbols import CONTRAST_LIMIT, TextureSymbols, root_blocks
+from sgicodec.model.texture_symbols import TextureSymbols
 from sgicodec.rdoq.texture import TextureSearch
 
-__all__ = ["Perceptual", "ScoreAscent", "better_offsets"]
+__all__ = ["Perceptual", "ScoreAscent"]
 
 F32 = NDArray[np.float32]
 Offsets = NDArray[np.int8] | None
@@ -68,11 +64,11 @@ class Perceptual:
         price: float | None = None,
         blocks_stay: bool = False,
     ) -> tuple[TileState, TextureSymbols | None, int]:
-        """The tile with the step offsets and the restoration of layers for the eye, the last of these layers, and the
-        step of the next. Moves what `search` looks for; blocks_stay: for the blocks of these layers alone.
+        """The tile with the restoration of layers for the eye, the last of these layers, and the step of the next one.
+        Moves what `search` looks for; blocks_stay: for the blocks of these layers alone.
         """
         tile, passes = state.tile, state.tile.effort.ascent_passes
-        first, usual = state.best_layer(search, step, price), state.step_offsets
+        first = state.best_layer(search, step, price)
         state = replace(state, strength=state.best_strength(search, first))
         seen = (tile.unit, tile.spec.luma_space, tile.empty)
         ascent = ScoreAscent(*seen, tile.device, passes, state.strength)
@@ -85,8 +81,7 @@ class Perceptual:
             layer = first if score is None else state.best_layer(search, steps.after(score), price, layer)
             if layer is None:
                 break
-            score, offsets = ascent.climb(search, layer, state.step_offsets, usual, blocks_stay)
-            state = replace(state, step_offsets=offsets)
+            score = ascent.climb(search, layer, state.step_offsets, blocks_stay)
         return state, layer, steps.after(score)
 
 
@@ -114,12 +109,10 @@ class ScoreAscent:
         search: TextureSearch,
         layer: TextureSymbols,
         offsets: Offsets,
-        usual: Offsets,
         blocks_stay: bool = False,
-    ) -> tuple[float, Offsets]:
+    ) -> float:
         """Moves the target of `search` from the layer that it found up the gradient, that of the layer's blocks alone
-        where these stay. Returns SSIMULACRA 2 of the layer, and the step offsets of the next. offsets [rows, columns]:
-        of this one; usual: of the first; None for none.
+        where these stay. Returns SSIMULACRA 2 of the layer. offsets [rows, columns]: of its steps, None for none.
         """
         rendered = self._rendered(search, layer)
         score, gradient = self._reference.gradient(self._seen(rendered))
@@ -128,10 +121,7 @@ class ScoreAscent:
             gradient[:, self.empty] = 0
         mean, blocks = self._mean_move, layer if blocks_stay else None
         search.move(gradient, layer.steps, offsets, mean, MAX_MOVE * mean, blocks)
-        if offsets is not None and usual is not None:
-            gain = (gradient * (self.unit - rendered)).sum(axis=0)
-            offsets = better_offsets(offsets, usual, gain, layer)
-        return score, offsets
+        return score
 
     def _rendered(self, search: TextureSearch, symbols: TextureSymbols) -> F32:
         """What a layer shows over the seeds of `search`, restored."""
@@ -153,42 +143,3 @@ class ScoreAscent:
         if not self.luma_space:
             return gradient
         return np.tensordot(from_luma_space(len(gradient)).T.astype(np.float32), gradient, axes=1)
-
-
-_PART = 0.25
-"""Of the way to equal losses that step offsets go at a time: a gradient is noisy, and holds near by only. This, σ and
-the fewest symbols were tried together (docs/notes/2026-11-equal-losses.md)."""
-_MAX_AWAY = 4
-"""Quarters of an octave that they may be away from those of the tuning."""
-_SIGMA = 0.5
-"""Over which losses and symbols are smoothed, in superblocks: neighbours that differ cost bits."""
-_MIN_SYMBOLS = 128
-"""Of a superblock that tells something. Where seeds do most of the work, offsets stay."""
-_PSEUDO_COUNT = 40
-"""Pseudo-count: side-information bits of a superblock, in symbols."""
-_MIN_LOSS = 0.2
-"""Of a superblock, in means."""
-
-
-def better_offsets(
-    offsets: NDArray[np.int8], usual: NDArray[np.int8], gain: F32, symbols: TextureSymbols
-) -> NDArray[np.int8]:
-    """The step offsets [rows, columns] of the next layer. offsets: of this one; usual: of the tuning; gain [H, W]: what
-    the score would grow by, to first order, without the error of each pixel.
-
-    Their mean over symbols stays, so that a layer takes about as many bits.
-    """
-    lost = root_blocks(gain.astype(np.float64), "constant").sum(axis=(1, 3))
-    counts = lost != 0  # where no pixel counts, offsets do not
-    lost = smoothed(lost, _SIGMA)
-    coded = root_blocks((symbols.symbols != 0).sum(axis=0), "constant").sum(axis=(1, 3), dtype=np.float64)
-    count = smoothed(coded, _SIGMA)
-    tells = counts & (count >= _MIN_SYMBOLS)
-    least = _MIN_LOSS * float(lost.mean())
-    if least <= 0 or not tells.any():
-        return offsets
-    weight = np.where(tells, count + _PSEUDO_COUNT, 0.0)
-    octaves = 0.5 * np.log2(np.maximum(lost, least) / (count + _PSEUDO_COUNT))
-    octaves = np.where(tells, octaves - np.average(octaves, weights=weight), 0.0)
-    wanted = np.clip(offsets - 4 * _PART * octaves, usual - float(_MAX_AWAY), usual + float(_MAX_AWAY))
-    return np.clip(np.rint(wanted), -CONTRAST_LIMIT, CONTRAST_LIMIT).astype(np.int8)

@@ -147,7 +147,7 @@ class Masking:
         plane, self._plane = self._plane, None
         assert plane is not None
         octaves = 0.5 * self._power * np.log2((local_variance(plane / 255.0) + _FLOOR) / _USUAL)
-        masked = _indices(4 * root_blocks(octaves, "edge").mean(axis=(1, 3)))
+        masked = _indices(4 * root_blocks(octaves).mean(axis=(1, 3)))
         patterns = regular_patterns(plane, self._device)
         blocks = (patterns.certainty, patterns.deviation, patterns.frequency)
         return masked, RegularPatterns(*(_by_superblock(part, masked.shape) for part in blocks))
