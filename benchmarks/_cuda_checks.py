@@ -23,10 +23,8 @@ from sgicodec.errors import SgiError
 from sgicodec.errors import require as need
 from sgicodec.fit.adam import Adam, Moments
 from sgicodec.fit.device_feature_step import DeviceFeatureStep
-from sgicodec.fit.device_fit import DeviceFit
 from sgicodec.fit.feature_step import FeatureStep
 from sgicodec.fit.noise import NoiseKey
-from sgicodec.fit.parameters import Parameters
 from sgicodec.fit.trainer import Trainer
 from sgicodec.metrics.distortion import squared_error
 from sgicodec.model.layout import ROOT_LOG, adaptive_layout, cell_sums, uniform_layout
@@ -93,32 +91,33 @@ _LOSSES: tuple[Loss, ...] = ("squared", "absolute")
 
 
 def check_rate(device: Device, pixels: np.ndarray) -> str:
-    """Bits and the gradients of a context network that trains, of values and steps, against automatic differentiation
-    in float64; what Adam makes of them against its formula in float64. In the midst of a fit, where only bits count.
+    """Bits and the gradients of values and steps against automatic differentiation in float64; what Adam makes of them
+    against its formula in float64. In the midst of a fit, where only bits count.
 
     Raises MissingExtraError where there is no torch.
     """
     need("torch", "gradients in float64", "paper")
     from benchmarks._cuda_reference import rate_gradients
 
-    spec, target = default_spec(3, prior=0), _samples(pixels)
-    layout = adaptive_layout(target, 0.03)
-    trainer = Trainer(spec, default_settings(1e-3, 60), target, layout, 1, device=device)
+    spec, target = default_spec(3), _samples(pixels)
+    networks, layout = load_prior(spec), adaptive_layout(target, 0.03)
+    trainer = Trainer(spec, default_settings(1e-3, 60), target, layout, 1, networks, device=device)
     for progress in trainer.iterate():
         if progress.step == 40:
             break
     fit, parameters, adam = trainer.on_gpu, trainer.parameters, trainer.adam
-    require(fit is not None and trainer.context.trains, "the processor fits, or no network trains")
+    require(fit is not None, "the processor fits")
     assert fit is not None
     trainer.fetch()
     fit.set_layout(trainer.seeds.layout, trainer.quality)
     number, rates = 40, dict.fromkeys(parameters.trained(), 1e-2)
     key, size = NoiseKey.of(fit.seed, number), (target.shape[2], target.shape[1])
-    value, expected = rate_gradients(spec, parameters, trainer.quality, key, size)
+    value, expected = rate_gradients(spec, networks, parameters, trainer.quality, key, size)
     before = {name: array.astype(np.float64) for name, array in parameters.trained().items()}
     kept = {name: copy.deepcopy(adam.moments(name, array)) for name, array in parameters.trained().items()}
     _, bits = fit.run("noise", number, trainer.levels[0], _RATE_ALONE, rates)
-    found = {name: gradient / _RATE_ALONE for name, gradient in _gradients(fit, parameters).items()}
+    held = fit._held._held
+    found = {name: held[f"grad_{name}"].download() / _RATE_ALONE for name in parameters.trained()}
     apart = {name: _apart(found[name].reshape(want.shape), want) for name, want in expected.items()}
     require(abs(bits / value - 1) < 1e-4 and max(apart.values()) < 1e-4, f"bits and gradients are {apart} off")
     trainer.fetch()
@@ -129,16 +128,6 @@ def check_rate(device: Device, pixels: np.ndarray) -> str:
         moved[name] = _apart(array - before[name], step)
     require(max(moved.values()) < 1e-3, f"what Adam moves is {moved} off")
     return f"gradients {max(apart.values()):.1e}, Adam {max(moved.values()):.1e} from float64"
-
-
-def _gradients(fit: DeviceFit, parameters: Parameters) -> dict[str, np.ndarray]:
-    """Of the last step, by the name of what trains: those that all seeds share lie behind each other."""
-    held, context = fit._held._held, parameters.context
-    shared = {"context.rest": context.rest.size, "steps": parameters.steps.size, "context.first": context.first.size}
-    sums = np.split(held["sums"].download(), np.cumsum(list(shared.values()))[:-1])
-    return dict(zip(shared, sums, strict=True)) | {
-        name: held[f"grad_{name}"].download() for name in parameters.seeds.values
-    }
 
 
 _RATE_ALONE = 2.0**30
@@ -177,7 +166,7 @@ def check_repeats(gpu: Gpu, size: Scene) -> str:
 
 def check_seeds(device: Device, pixels: np.ndarray) -> str:
     """What decides which seeds go and come, in the midst of a fit, beside the processor's from the same values."""
-    spec, target, lmbda = default_spec(3, prior=3), _samples(pixels), 1e-3
+    spec, target, lmbda = default_spec(3), _samples(pixels), 1e-3
     networks, layout = load_prior(spec), adaptive_layout(target, 30 * lmbda)
     trainer = Trainer(spec, default_settings(lmbda, 60), target, layout, 1, networks, device=device)
     for progress in trainer.iterate():

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-import copy
-from typing import Any
+from collections.abc import Sequence
 
 import numpy as np
 import torch
 from numpy.typing import NDArray
 
+from sgicodec.fit.context_weights import float_weights
 from sgicodec.fit.noise import NoiseKey
 from sgicodec.fit.parameters import Parameters
+from sgicodec.model.network import IntNetwork
 from sgicodec.model.spec import ModelSpec
 from tests.support.torch_step.context_net import ContextNet
 from tests.support.torch_step.quantization_proxy import QuantizationProxy
@@ -21,14 +22,18 @@ F64 = NDArray[np.float64]
 
 
 def rate_gradients(
-    spec: ModelSpec, parameters: Parameters, quality: int, key: NoiseKey, size: tuple[int, int]
+    spec: ModelSpec,
+    networks: Sequence[IntNetwork],
+    parameters: Parameters,
+    quality: int,
+    key: NoiseKey,
+    size: tuple[int, int],
 ) -> tuple[float, dict[str, F64]]:
     """Bits of a step with noise from `key`, and their gradients by the name of what trains, of a picture of this width
     and height.
     """
-    context: Any = copy.copy(parameters.context)
-    context.first, context.rest = (array.astype(np.float64) for array in (context.first, context.rest))
-    net, proxy = ContextNet(context), QuantizationProxy(spec, 1)
+    first, rest = (array.astype(np.float64) for array in float_weights(networks))
+    net, proxy = ContextNet(spec, (first, rest)), QuantizationProxy(spec, 1)
     proxy.set_layout(parameters.seeds.layout, quality, *size)
     for name in ("level_inputs", "log_size", "present", "offset"):
         setattr(proxy, name, getattr(proxy, name).double())
@@ -37,5 +42,5 @@ def rate_gradients(
     values = {name: leaves[name] for name in parameters.seeds.values}
     bits = proxy.sample(values, net, leaves["steps"], "noise", key).bits.sum()
     bits.backward()  # type: ignore[no-untyped-call]
-    grads = {name: leaf.grad.numpy() for name, leaf in (leaves | net.leaves).items() if leaf.grad is not None}
+    grads = {name: leaf.grad.numpy() for name, leaf in leaves.items() if leaf.grad is not None}
     return float(bits.detach()), grads

@@ -94,13 +94,10 @@ struct FitArguments {
   int32_t quality;
   int32_t rounding;
   int32_t predicts;
-  int32_t trains_first;
   int32_t chunk;
   int32_t chunks;
-  int32_t has_difference;
   int32_t tiles;
   int32_t capacity;
-  float difference_unit;
   const void *numbers;
   const int32_t *pairs;
   const int32_t *half_pixels;
@@ -112,9 +109,7 @@ struct FitArguments {
   const float *offset;
   const float *first;
   const float *rest;
-  const float *difference;
   const float *steps;
-  float *effective;
   float *summary;
   float *inputs;
   float *product;
@@ -132,7 +127,7 @@ struct FitArguments {
   float *grad_shape;
   float *grad_offset;
   float *partials;
-  float *sums;
+  float *grad_steps;
   const double *errors;
   void *report;
 };

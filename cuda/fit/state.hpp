@@ -7,7 +7,6 @@
 
 namespace sgi {
 
-constexpr int kMaxHidden = 64;  // width of MLP_p
 constexpr int kSeedThreads = 64;
 
 namespace {
@@ -27,7 +26,8 @@ inline SeedState state_of(const FitArguments &a) {
   s.value[kColour] = a.colour;
   s.value[kShape] = a.shape;
   s.value[kOffset] = a.offset;
-  s.set_parameters(a.first, a.effective, a.steps);
+  s.set_networks(a.first, a.rest);
+  s.set_steps(a.steps);
   s.summary = a.summary;
   s.inputs = a.inputs;
   s.product = a.product;
@@ -36,7 +36,6 @@ inline SeedState state_of(const FitArguments &a) {
   s.rounding = Rounding(a.rounding);
   s.key = numbers_of(a).key;
   s.mirror = numbers_of(a).mirror;
-  s.trains_first = a.trains_first != 0;
   s.predicts = a.predicts != 0;
   return s;
 }

@@ -38,15 +38,13 @@ void set_layout(sgi::SeedFit &self, Array<const int32_t, 2> half_pixels, Array<c
   self.set_layout({half_pixels.data(), log_size.data()}, n, neighbour.data(), int(k), quality);
 }
 
-double forward(sgi::SeedFit &self, In2 colour, In2 shape, In2 offset, In1 first, In1 rest, In1 steps, int rounding,
-               uint32_t key, bool negative, int reuse, bool trains_first, Out2 means, Out2 covariances, Out2 colours) {
+double forward(sgi::SeedFit &self, In2 colour, In2 shape, In2 offset, In1 steps, int rounding, uint32_t key,
+               bool negative, int reuse, Out2 means, Out2 covariances, Out2 colours) {
   const sgi::SeedState &s = self.state();
   require_rows(colour, s.count, s.group_size(0), "colour must be [N, C]");
   require_rows(shape, s.count, s.group_size(1), "shape must be [N, 3]");
   require_rows(offset, s.count, s.group_size(2), "offset must be [N, 2]");
-  require(int64_t(first.shape(0)) == self.first_size(), "first holds W1 of all groups");
-  require(int64_t(rest.shape(0)) == self.rest_size(), "rest holds b1, W2 and b2 of all groups");
-  require(int64_t(steps.shape(0)) == sgi::kUnits * sgi::kLevels + sgi::kGammas, "steps holds base steps and gamma");
+  require(int64_t(steps.shape(0)) == sgi::kSteps, "steps holds base steps and gamma");
   require(rounding >= 0 && rounding <= 2, "rounding is 0, 1 or 2");
   require(reuse >= 0 && reuse <= 2, "reuse is 0, 1 or 2");
   require_rows(means, s.count, 2, "means must be [N, 2]");
@@ -54,12 +52,12 @@ double forward(sgi::SeedFit &self, In2 colour, In2 shape, In2 offset, In1 first,
   require_rows(colours, s.count, s.channels, "colours must be [N, C]");
   const sgi::SeedGaussians out{means.data(), covariances.data(), colours.data()};
   nb::gil_scoped_release release;
-  return self.forward({colour.data(), shape.data(), offset.data()}, {first.data(), rest.data(), steps.data()},
-                      sgi::Rounding(rounding), {key, negative}, sgi::Reuse(reuse), trains_first, out);
+  return self.forward({colour.data(), shape.data(), offset.data()}, steps.data(), sgi::Rounding(rounding),
+                      {key, negative}, sgi::Reuse(reuse), out);
 }
 
 void backward(sgi::SeedFit &self, In2 means, In2 covariances, In2 colours, float lmbda, Out2 colour, Out2 shape,
-              Out2 offset, Out1 sums) {
+              Out2 offset, Out1 steps) {
   const sgi::SeedState &s = self.state();
   require_rows(means, s.count, 2, "gradients of means must be [N, 2]");
   require_rows(covariances, s.count, 3, "gradients of covariances must be [N, 3]");
@@ -67,11 +65,11 @@ void backward(sgi::SeedFit &self, In2 means, In2 covariances, In2 colours, float
   require_rows(colour, s.count, s.group_size(0), "colour must be [N, C]");
   require_rows(shape, s.count, s.group_size(1), "shape must be [N, 3]");
   require_rows(offset, s.count, s.group_size(2), "offset must be [N, 2]");
-  require(int64_t(sums.shape(0)) == self.sums(), "sums has another length");
+  require(int64_t(steps.shape(0)) == sgi::kSteps, "steps has another length");
   const sgi::SeedGradients g{
       means.data(), covariances.data(), colours.data(), lmbda, {colour.data(), shape.data(), offset.data()}};
   nb::gil_scoped_release release;
-  self.backward(g, sums.data());
+  self.backward(g, steps.data());
 }
 
 void set_pixels(sgi::FeatureFit &self, Array<const int32_t, 2> half_pixels, int quality, int64_t width,
@@ -148,17 +146,23 @@ void bind_fit(nb::module_ &m) {
   nb::class_<sgi::SeedFit>(m, "SeedFit")
       .def(
           "__init__",
-          [](sgi::SeedFit *self, const std::string &isa, int threads, int hidden, In2 opponent) {
+          [](sgi::SeedFit *self, const std::string &isa, int threads, int hidden, In2 opponent, In1 first, In1 rest) {
             require(hidden >= 1 && opponent.shape(0) == opponent.shape(1), "opponent must be [C, C]");
-            new (self) sgi::SeedFit(sgi::choose_isa(isa), threads, int(opponent.shape(0)), hidden, opponent.data());
+            sgi::SeedState s{};
+            s.hidden = hidden;
+            size_t firsts = 0, rests = 0;
+            for (int g = 0; g < sgi::kGroups; ++g) firsts += s.first_size(g), rests += s.rest_size(g);
+            require(first.shape(0) == firsts, "first holds W1 of all groups");
+            require(rest.shape(0) == rests, "rest holds b1, W2 and b2 of all groups");
+            new (self) sgi::SeedFit(sgi::choose_isa(isa), threads, int(opponent.shape(0)), hidden, opponent.data(),
+                                    first.data(), rest.data());
           },
-          "isa"_a, "threads"_a, "hidden"_a, "opponent"_a)
+          "isa"_a, "threads"_a, "hidden"_a, "opponent"_a, "first"_a, "rest"_a)
       .def("set_layout", &set_layout, "half_pixels"_a, "log_size"_a, "neighbour"_a, "quality"_a)
-      .def("forward", &forward, "colour"_a, "shape"_a, "offset"_a, "first"_a, "rest"_a, "steps"_a, "rounding"_a,
-           "key"_a, "negative"_a, "reuse"_a, "trains_first"_a, "means"_a, "covariances"_a, "colours"_a)
+      .def("forward", &forward, "colour"_a, "shape"_a, "offset"_a, "steps"_a, "rounding"_a, "key"_a, "negative"_a,
+           "reuse"_a, "means"_a, "covariances"_a, "colours"_a)
       .def("backward", &backward, "means"_a, "covariances"_a, "colours"_a, "lmbda"_a, "colour"_a, "shape"_a, "offset"_a,
-           "sums"_a)
-      .def_prop_ro("sums", &sgi::SeedFit::sums);
+           "steps"_a);
   nb::class_<sgi::FeatureFit>(m, "FeatureFit")
       .def(
           "__init__",

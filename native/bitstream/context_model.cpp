@@ -22,28 +22,11 @@ IntNetwork read_network(SymbolReader &reader, const ModelSpec &spec, int step, c
   return network;
 }
 
-// b1, W2 and b2 with what the stream adds to them.
-IntNetwork read_changes(SymbolReader &reader, const IntNetwork &prior) {
-  IntNetwork network = prior;
-  for (std::vector<int64_t> *tensor : {&network.b1, &network.w2, &network.b2}) {
-    const std::vector<int64_t> more = read_weights(reader, int64_t(tensor->size()));
-    for (size_t i = 0; i < more.size(); ++i) (*tensor)[i] += more[i] * (int64_t(1) << (prior.shift - kDifferenceShift));
-  }
-  network.require_exact();
-  return network;
-}
-
 }  // namespace
 
 Networks read_networks(SymbolReader &reader, const ModelSpec &spec) {
+  if (spec.context.prior) return load_prior(spec);
   Networks networks;
-  if (spec.context.prior) {
-    const Networks prior = load_prior(spec);
-    if (!reader.number(1)) return prior;
-    for (const auto &network : prior)
-      networks.push_back(std::make_shared<const IntNetwork>(read_changes(reader, *network)));
-    return networks;
-  }
   const auto steps = coding_steps(spec);
   for (size_t step = 0; step < steps.size(); ++step)
     networks.push_back(std::make_shared<const IntNetwork>(read_network(reader, spec, int(step), steps[step])));

@@ -12,10 +12,8 @@ constexpr int kMaxOutputs = outputs_of(kColour);
 
 // Memory of one run: what blocks write anew, and the sums over seeds as vectors over lanes.
 struct Scratch {
-  float *hidden, *attributes, *sums;
-  Scratch(const SeedState &s, float *memory)
-      : hidden(memory), attributes(hidden + kBatch * s.hidden * LANES),
-        sums(attributes + kBatch * s.attributes() * LANES) {}
+  float *attributes, *sums;
+  Scratch(const SeedState &s, float *memory) : attributes(memory), sums(memory + s.attributes() * LANES) {}
 };
 
 inline int unit_of(const SeedState &s, int group, int column) {

@@ -12,12 +12,20 @@ constexpr int64_t kRun = 1024;  // seeds; a multiple of every kernel's lanes
 
 }  // namespace
 
-SeedFit::SeedFit(Isa isa, int threads, int channels, int hidden, const float *opponent)
+SeedFit::SeedFit(Isa isa, int threads, int channels, int hidden, const float *opponent, const float *first,
+                 const float *rest)
     : kernel_(kernel_for<SeedKernel>(isa)), lanes_(lanes_of(isa)), threads_(threads),
       opponent_(opponent, opponent + channels * channels) {
   state_.channels = channels;
   state_.hidden = hidden;
   state_.opponent = opponent_.data();
+  for (int g = 0; g < kGroups; ++g) {
+    first_.insert(first_.end(), first, first + state_.first_size(g));
+    rest_.insert(rest_.end(), rest, rest + state_.rest_size(g));
+    first += state_.first_size(g);
+    rest += state_.rest_size(g);
+  }
+  state_.set_networks(first_.data(), rest_.data());
 }
 
 void SeedFit::set_layout(const SeedsView &seeds, int64_t n, const int32_t *neighbour, int neighbours, int quality) {
@@ -42,18 +50,6 @@ void SeedFit::set_layout(const SeedsView &seeds, int64_t n, const int32_t *neigh
   state_.decoded = decoded_.data();
 }
 
-int64_t SeedFit::first_size() const {
-  int64_t total = 0;
-  for (int g = 0; g < kGroups; ++g) total += state_.first_size(g);
-  return total;
-}
-
-int64_t SeedFit::rest_size() const {
-  int64_t total = 0;
-  for (int g = 0; g < kGroups; ++g) total += state_.rest_size(g);
-  return total;
-}
-
 template <class Body>
 void SeedFit::over_runs(const Body &body) {
   const int64_t runs = (state_.count + kRun - 1) / kRun;
@@ -65,22 +61,23 @@ void SeedFit::over_runs(const Body &body) {
   });
 }
 
-double SeedFit::forward(const std::array<const float *, kGroups> &values, const SeedParameters &parameters,
-                        Rounding rounding, NoiseKey key, Reuse reuse, bool trains_first, const SeedGaussians &out) {
+double SeedFit::forward(const std::array<const float *, kGroups> &values, const float *steps, Rounding rounding,
+                        NoiseKey key, Reuse reuse, const SeedGaussians &out) {
   SeedState &s = state_;
   std::copy_n(values.data(), kGroups, s.value);
-  s.set_parameters(parameters.first, parameters.rest, parameters.steps);
+  s.set_steps(steps);
   s.rounding = rounding;
   s.key = key.key;
   s.mirror = key.mirror();
-  s.trains_first = trains_first;
   s.predicts = rounding != Rounding::kNone && reuse != Reuse::kPredictions;
   const bool refresh = s.predicts && reuse == Reuse::kNothing;
   if (refresh) over_runs([&](int64_t, int64_t begin, int64_t end, float *m) { kernel_.summarize(s, begin, end, m); });
   std::vector<double> bits((s.count + kRun - 1) / kRun);
   over_runs([&](int64_t run, int64_t begin, int64_t end, float *m) {
-    if (refresh) kernel_.gather(s, begin, end, m);
-    if (s.predicts && (refresh || trains_first)) kernel_.multiply(s, begin, end, m);
+    if (refresh) {
+      kernel_.gather(s, begin, end, m);
+      kernel_.multiply(s, begin, end, m);
+    }
     bits[run] = kernel_.forward(s, begin, end, out, m);
   });
   double total = 0;
@@ -88,17 +85,16 @@ double SeedFit::forward(const std::array<const float *, kGroups> &values, const 
   return total;
 }
 
-void SeedFit::backward(const SeedGradients &gradients, float *sums) {
-  const int64_t width = state_.sums(), runs = (state_.count + kRun - 1) / kRun;
-  partials_.resize(width * runs);
+void SeedFit::backward(const SeedGradients &gradients, float *slopes) {
+  const int64_t runs = (state_.count + kRun - 1) / kRun;
+  partials_.resize(kSteps * runs);
   over_runs([&](int64_t run, int64_t begin, int64_t end, float *m) {
-    kernel_.backward(state_, begin, end, gradients, partials_.data() + run * width, m);
+    kernel_.backward(state_, begin, end, gradients, partials_.data() + run * kSteps, m);
   });
-  if (!state_.predicts) return;
-  for (int64_t i = 0; i < width; ++i) {
+  for (int64_t i = 0; i < kSteps; ++i) {
     double sum = 0;
-    for (int64_t run = 0; run < runs; ++run) sum += partials_[run * width + i];
-    sums[i] = float(sum);
+    for (int64_t run = 0; run < runs; ++run) sum += partials_[run * kSteps + i];
+    slopes[i] = float(sum);
   }
 }
 

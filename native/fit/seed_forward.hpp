@@ -9,26 +9,25 @@ namespace sgi {
 namespace {
 
 // Draws or rounds, writes Gaussians and `decoded`; returns the bits of each seed, 0 for what is no seed.
-// `hidden`: memory for MLP_p, [hidden][LANES].
-inline vf forward_block(const SeedState &s, const Block &block, const SeedGaussians &out, float *hidden) {
+inline vf forward_block(const SeedState &s, const Block &block, const SeedGaussians &out) {
   float *decoded = s.decoded + block.number() * s.attributes() * LANES;
   vf sum{}, loudness{};
   for (int g = 0; g < kGroups; ++g) {
     const int size = s.group_size(g), start = s.group_start(g);
-    Units u;
+    Unit units[3];
     if (s.predicts) {
       vf own[kMaxOwnInputs], outputs[kMaxOutputs];
       own_inputs(s, decoded, g, loudness, own);
-      evaluate(s, block, g, own, hidden, outputs);
-      u = units_of(s, block, g, outputs, loudness);
-      keep_units(u, g, kept_units(s, block, g));
+      evaluate(s, block, g, own, outputs);
+      units_of(s, block, g, outputs, loudness, units);
+      keep_units(units, g, kept_units(s, block, g));
     } else if (s.rounding != Rounding::kNone) {
-      load_units(kept_units(s, block, g), g, u);
+      load_units(kept_units(s, block, g), g, units);
     }
     for (int j = 0; j < size; ++j) {
       vf value = block.gather(s.value[g], size, j);
       if (s.rounding != Rounding::kNone) {
-        const Unit &unit = u.unit[unit_of(s, g, j)];
+        const Unit &unit = units[unit_of(s, g, j)];
         value = s.rounding == Rounding::kNoise ? value + unit.step * noise(s.key, s.mirror, start + j, block.first)
                                                : rounded(value, unit);
         sum += laplace_bits(value - unit.mean, unit.step, unit.scale).bits;

@@ -1,8 +1,8 @@
 // One step of the default profile's fit on a run of seeds: from attributes to Gaussians and bits, and back to
 // gradients. A lane holds a seed.
 //
-// Its arithmetic is that of native/model; the reference, with torch, is tools/autograd. MLP_p sees nothing that
-// it passes gradients to, so that no gradient crosses from one coding step to another.
+// Its arithmetic is that of native/model; the reference, with torch, is tests/support/torch_step. MLP_p is the shipped
+// one and does not train. It sees nothing that it passes gradients to, so that no gradient goes through it.
 #pragma once
 #include <cstdint>
 
@@ -15,8 +15,8 @@ namespace sgi {
 constexpr int kUnits = 8;  // distinct predictions: three colours, three shape numbers, two offsets
 constexpr int kGroupUnits[kGroups] = {3, 3, 2};
 constexpr int kFirstUnit[kGroups] = {0, 3, 6};
-constexpr int kGammas = 2;  // shape and offset follow the amplitude
-constexpr int kBatch = 8;   // blocks of LANES seeds that go back through MLP_p together
+constexpr int kGammas = 2;                          // shape and offset follow the amplitude
+constexpr int kSteps = kUnits * kLevels + kGammas;  // base steps of every unit and level, then γ
 
 constexpr int outputs_of(int group) { return 2 * kGroupUnits[group] + 1; }
 constexpr int inputs_of(int group) { return kCommonInputs + own_input_count(group); }
@@ -37,31 +37,26 @@ struct SeedState : SeedModel {
   float *summary;               // [N, kSummary]
   float *inputs;                // [block][kCommonInputs][LANES]
   float *product;               // [block][kGroups][hidden][LANES]: W1 times the common inputs
-  float *kept;                  // [block][kUnits][mean, step, scale][LANES] of the last whole step
+  float *kept;                  // [block][kUnits][mean, step, scale][LANES]: what MLP_p said last
   float *decoded;               // [block][d_A][LANES]
   Rounding rounding;
   uint32_t key, mirror;  // of the noise; mirror is 0, or all ones for its negative
-  bool trains_first;
-  bool predicts;  // MLP_p runs; otherwise what it said last stands for a constant
+  bool predicts;         // MLP_p runs; otherwise what it said last stands
 
   SGI_INLINE int rest_size(int g) const { return hidden * (1 + outputs_of(g)) + outputs_of(g); }
   SGI_INLINE int first_size(int g) const { return hidden * inputs_of(g); }
-  // Takes networks and steps: `first` and `rest` of all groups one behind the other, base and gamma.
-  SGI_INLINE void set_parameters(const float *firsts, const float *rests, const float *steps) {
+  // Takes the networks, `first` and `rest` of all groups one behind the other.
+  SGI_INLINE void set_networks(const float *firsts, const float *rests) {
     for (int g = 0; g < kGroups; ++g) {
       first[g] = firsts;
       rest[g] = rests;
       firsts += first_size(g);
       rests += rest_size(g);
     }
+  }
+  SGI_INLINE void set_steps(const float *steps) {
     base = steps;
     gamma = steps + kUnits * kLevels;
-  }
-  // Sums over seeds, in this order: `rest` of every group, base, gamma and, where it trains, `first` of every group.
-  SGI_INLINE int sums() const {
-    int total = kUnits * kLevels + kGammas;
-    for (int g = 0; g < kGroups; ++g) total += rest_size(g) + (trains_first ? first_size(g) : 0);
-    return total;
   }
 };
 
@@ -80,13 +75,11 @@ struct SeedKernel {
   void (*multiply)(const SeedState &s, int64_t begin, int64_t end, float *memory);
   // Draws or rounds, writes Gaussians and `decoded`, returns bits.
   double (*forward)(const SeedState &s, int64_t begin, int64_t end, const SeedGaussians &out, float *memory);
-  // Gradients of the values, and of all else summed over the run into sums[s.sums()].
+  // Gradients of the values, and those of the steps summed over the run into sums[kSteps], where values are not exact.
   void (*backward)(const SeedState &s, int64_t begin, int64_t end, const SeedGradients &g, float *sums, float *memory);
   static const SeedKernel portable, avx2, avx512;
 };
 
-SGI_INLINE int64_t scratch_floats(const SeedState &s, int lanes) {
-  return int64_t(kBatch * (s.hidden + s.attributes()) + s.sums()) * lanes;
-}
+SGI_INLINE int64_t scratch_floats(const SeedState &s, int lanes) { return int64_t(s.attributes() + kSteps) * lanes; }
 
 }  // namespace sgi

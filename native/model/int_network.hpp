@@ -7,8 +7,6 @@
 
 namespace sgi {
 
-constexpr int kDifferenceShift = 5;  // what a picture changes in a shipped network comes in units of 2^-5
-
 struct IntNetwork {
   std::vector<int64_t> w1, b1, w2, b2;  // [hidden, inputs], [hidden], [outputs, hidden], [outputs]
   int inputs, hidden, outputs, predicted, shift;

@@ -52,8 +52,6 @@ class EncodeSettings:
     """M: levels of the pyramid that it is fitted at, 1 to 4, in the paper profile."""
     steps: int | None = None
     """Optimisation steps of the whole fit, instead of an effort."""
-    prior: int | None = None
-    """Number of the shipped context model, 0 for one that travels in the stream."""
     rdoq: bool = True
     """Whether RDOQ follows the fit, where it knows the model."""
     texture: bool = True

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -10,14 +11,16 @@ from numpy.typing import NDArray
 from sgicodec.cuda.gpu import Gpu
 from sgicodec.cuda.tiles import MAX_CHANNELS
 from sgicodec.fit.adam import Adam
+from sgicodec.fit.context_weights import float_weights
 from sgicodec.fit.device_seeds import energy_of, moved, residual_sums
 from sgicodec.fit.device_step import DeviceStep, StepKind
-from sgicodec.fit.fused_step import REFRESH, ROUNDINGS, FusedStep, Reuse, reuse_of
+from sgicodec.fit.fused_step import REFRESH, ROUNDINGS, FusedStep, reuse_of
 from sgicodec.fit.noise import NoiseKey
 from sgicodec.fit.parameters import Parameters
 from sgicodec.fit.pyramid import Level
 from sgicodec.model.context import neighbour_table
 from sgicodec.model.layout import ROOT_LOG, CellSums, SeedLayout, cell_sums, sums_by_level
+from sgicodec.model.network import IntNetwork
 from sgicodec.model.spec import ModelSpec
 from sgicodec.profiles.fit_settings import Rounding
 
@@ -33,8 +36,18 @@ class DeviceFit:
     `rearrange`. Same input, same bytes, on one GPU.
     """
 
-    def __init__(self, spec: ModelSpec, seed: int, gpu: Gpu, parameters: Parameters, adam: Adam, cutoff: float) -> None:
+    def __init__(
+        self,
+        spec: ModelSpec,
+        seed: int,
+        networks: Sequence[IntNetwork],
+        gpu: Gpu,
+        parameters: Parameters,
+        adam: Adam,
+        cutoff: float,
+    ) -> None:
         self.spec, self.seed, self.gpu, self.cutoff = spec, seed, gpu, cutoff
+        self._weights = float_weights(networks)
         self.parameters, self.adam = parameters, adam
         self.age = 0
         self._levels: dict[float, tuple[Level, dict[str, Any]]] = {}
@@ -43,9 +56,8 @@ class DeviceFit:
 
     @staticmethod
     def can_run(spec: ModelSpec) -> bool:
-        """Whether the kernels have this model: what the native step has, up to 4 channels and 64 hidden units."""
-        narrow = spec.channels <= MAX_CHANNELS and spec.context.hidden <= DeviceStep.max_hidden
-        return FusedStep.can_run(spec) and narrow
+        """Whether the kernels have this model: what the native step has, up to 4 channels."""
+        return FusedStep.can_run(spec) and spec.channels <= MAX_CHANNELS
 
     def set_layout(self, layout: SeedLayout, quality: int) -> None:
         """Prepares everything that depends on where the seeds are, and takes the host's arrays."""
@@ -82,11 +94,9 @@ class DeviceFit:
     def put(self) -> None:
         """Takes the host's arrays."""
         self.gpu.use()
-        step, context = self._held, self.parameters.context
         for name, array in self._arrays().items():
             moments = self.adam.moments(name, array)
-            step.put(name, array, moments.mean, moments.square)
-        step.put_shared(self.parameters.steps, context.first, context.rest, context.difference, context.trains)
+            self._held.put(name, array, moments.mean, moments.square)
 
     def fetch(self) -> None:
         """Brings what trains back to the host's arrays."""
@@ -100,13 +110,12 @@ class DeviceFit:
     ) -> tuple[float, float]:
         """Step `number`: squared error without weights, and bits; everything has moved at its learning rate."""
         self.gpu.use()
-        context, key = self.parameters.context, NoiseKey.of(self.seed, number)
-        reuse = Reuse.NOTHING if rounding == "none" else reuse_of(self.age, rounding, context)
+        key, reuse = NoiseKey.of(self.seed, number), reuse_of(self.age, rounding)
         self.age = (self.age + 1) % REFRESH if rounding != "none" else 0
         moved = [name for name in self._arrays() if rounding != "none" or name in self.parameters.seeds.values]
         corrected = [self.adam.corrections(name, rates[name]) for name in moved]
         numbers = self._held.numbers(key, lmbda, self.adam, corrected)
-        kind = StepKind(ROUNDINGS[rounding], reuse, lmbda > 0 and context.difference is not None, tuple(moved))
+        kind = StepKind(ROUNDINGS[rounding], reuse, tuple(moved))
         return self._held.run(kind, level.scale, self._level(level), numbers)
 
     @property
@@ -120,7 +129,7 @@ class DeviceFit:
 
     def _step_of(self, layout: SeedLayout, quality: int) -> DeviceStep:
         neighbour = neighbour_table(self.spec.context, layout)
-        return DeviceStep(self.gpu, self.spec, layout, neighbour, quality, self.cutoff)
+        return DeviceStep(self.gpu, self.spec, self._weights, layout, neighbour, quality, self.cutoff)
 
     def _level(self, level: Level) -> dict[str, Any]:
         """A level's samples and weights on the GPU, kept from step to step; others of its scale go."""

@@ -22,14 +22,11 @@ CELL = sources.constants("native/model/cell_sums.hpp")["kSmallestCell"]
 
 class Trained(NamedTuple):
     """All that trains, and what it stands on, by the names of a step's arguments; the moments by the names of
-    `Parameters.trained`. has_difference, trains_first: as in FitArguments. pairs: of tile and Gaussian, for which there
-    was room.
+    `Parameters.trained`. pairs: of tile and Gaussian, for which there was room.
     """
 
     held: dict[str, GpuArray]
     moments: dict[str, tuple[GpuArray, GpuArray]]
-    has_difference: bool
-    trains_first: bool
     pairs: int
 
 

@@ -22,7 +22,6 @@ from sgicodec.fit.step_sizes import base_counts, gamma_names
 from sgicodec.model.context import LEVELS, SUMMARY
 from sgicodec.model.gaussians import MIN_VARIANCE, colour_matrix
 from sgicodec.model.layout import SeedLayout
-from sgicodec.model.network import DIFFERENCE_SHIFT
 from sgicodec.model.spec import ModelSpec
 
 __all__ = ["DeviceStep", "StepKind"]
@@ -30,45 +29,50 @@ __all__ = ["DeviceStep", "StepKind"]
 F32 = NDArray[np.float32]
 
 _SIZES = sources.constants("cuda/fit/state.hpp") | sources.constants("cuda/fit/update.hpp")
-SEED_THREADS, PRICE_THREADS, REPORT_THREADS = (_SIZES[f"k{name}Threads"] for name in ("Seed", "Price", "Report"))
-ADD_THREADS, SUM_THREADS, MOVE_THREADS = 256, 128, 256
+SEED_THREADS, REPORT_THREADS = (_SIZES[f"k{name}Threads"] for name in ("Seed", "Report"))
+MOVE_THREADS = 256
 MAX_CHUNKS = 512
 """Rows of sums over seeds: enough blocks for any GPU, few enough to be added by one thread for each sum."""
 
 
 class StepKind(NamedTuple):
-    """What makes two steps launch the same: rounding, what is taken over, whether differences cost, what moves."""
+    """What makes two steps launch the same: rounding, what is taken over, what moves."""
 
     rounding: int
     reuse: Reuse
-    priced: bool
     moved: tuple[str, ...]
 
 
 class DeviceStep:
     """Steps of N seeds at fixed places. Graphs are recorded when a kind of step is first run."""
 
-    max_hidden = _SIZES["kMaxHidden"]
-
     def __init__(
-        self, gpu: Gpu, spec: ModelSpec, layout: SeedLayout, neighbour: NDArray[np.int32], quality: int, cutoff: float
+        self,
+        gpu: Gpu,
+        spec: ModelSpec,
+        weights: tuple[F32, F32],
+        layout: SeedLayout,
+        neighbour: NDArray[np.int32],
+        quality: int,
+        cutoff: float,
     ) -> None:
         self.gpu, self.spec, self.cutoff, self.count = gpu, spec, cutoff, len(layout)
         opponent = np.array(colour_matrix(spec.channels), np.float32)
+        self._chunk = SEED_THREADS * -(-self.count // (SEED_THREADS * MAX_CHUNKS))
+        self._fixed: dict[str, Any] = {
+            **{"count": self.count, "channels": spec.channels, "quality": quality},
+            **{"hidden": spec.context.hidden, "neighbours": neighbour.shape[1], "chunk": self._chunk},
+            "chunks": -(-self.count // self._chunk),
+        }
         self._held = {
             "half_pixels": gpu.put(layout.half_pixels),
             "log_size": gpu.put(layout.log_size),
             "neighbour": gpu.put(neighbour),
             "opponent": gpu.put(opponent),
+            **{name: gpu.put(part) for name, part in zip(("first", "rest"), weights, strict=True)},
             "numbers": gpu.array(ctypes.sizeof(structures()["StepNumbers"]), np.uint8),
             "report": gpu.array(ctypes.sizeof(structures()["StepReport"]), np.uint8),
             **{name: gpu.array(shape) for name, shape in self._shapes().items()},
-        }
-        self._chunk = SEED_THREADS * -(-self.count // (SEED_THREADS * MAX_CHUNKS))
-        self._fixed: dict[str, Any] = {
-            **{"count": self.count, "channels": spec.channels, "quality": quality},
-            **{"hidden": spec.context.hidden, "neighbours": neighbour.shape[1], "chunk": self._chunk},
-            **{"chunks": -(-self.count // self._chunk), "difference_unit": 2.0**DIFFERENCE_SHIFT},
         }
         self._moments: dict[str, tuple[GpuArray, GpuArray]] = {}
         self._passes: dict[float, TilePasses] = {}
@@ -76,50 +80,32 @@ class DeviceStep:
 
     def put(self, name: str, values: F32, mean: F32, square: F32) -> None:
         """Takes an array that trains, and its moments."""
-        place = _PLACES.get(name, name)
-        self._upload(place, values)
+        if name not in self._held:
+            self._held[name] = self.gpu.array(values.shape)
+        self._held[name].upload(values)
         if name in self._moments:
             for array, moment in zip(self._moments[name], (mean, square), strict=True):
                 array.upload(moment)
         else:
             self._moments[name] = self.gpu.put(mean), self.gpu.put(square)
 
-    def put_shared(self, steps: F32, first: F32, rest: F32, difference: F32 | None, trains: bool) -> None:
-        """Takes what all seeds share. `difference`: what is added to `rest`, None for nothing."""
-        for name, values in {"steps": steps, "first": first, "rest": rest, "difference": difference}.items():
-            if values is not None:
-                self._upload(name, values)
-        self._make_sums(difference is not None, trains)
-
-    def _make_sums(self, has_difference: bool, trains: bool) -> None:
-        self._fixed |= {"has_difference": int(has_difference), "trains_first": int(trains)}
-        sums = _sums(self.spec, trains)
-        self._held["sums"] = self.gpu.array(sums) if self._size_of("sums") != sums else self._held["sums"]
-        partials = (self._fixed["chunks"], sums)
-        self._held["partials"] = self.gpu.array(partials)
-        self._graphs = {}
-
     def take(self, name: str) -> tuple[F32, F32, F32]:
         """An array that trains and its moments, as they are now."""
         mean, square = self._moments[name]
-        return self._held[_PLACES.get(name, name)].download(), mean.download(), square.download()
+        return self._held[name].download(), mean.download(), square.download()
 
     def trained(self) -> Trained:
         """What trains, which another step may adopt."""
-        names = {_PLACES.get(name, name) for name in self._moments} | {"steps", "first", "rest", "difference"}
-        held = {name: array for name, array in self._held.items() if name in names}
-        has_difference, trains_first = (bool(self._fixed[name]) for name in ("has_difference", "trains_first"))
-        return Trained(held, self._moments, has_difference, trains_first, self._capacity)
+        return Trained({name: self._held[name] for name in self._moments}, self._moments, self._capacity)
 
     def adopt(self, trained: Trained) -> None:
         """Takes what trains of a step before, of as many seeds as this one has."""
         self._held |= trained.held
         self._moments, self._capacity = trained.moments, trained.pairs
-        self._make_sums(trained.has_difference, trained.trains_first)
 
     def exact_gaussians(self) -> tuple[GpuArray, GpuArray]:
         """Covariances and colours of the values as they are."""
-        given = self._arguments(StepKind(0, Reuse.NOTHING, False, ()))
+        given = self._arguments(StepKind(0, Reuse.NOTHING, ()))
         given.decoded = self._address("slopes")  # nobody reads it any more
         self.gpu.launch("forward_seeds", -(-self.count // SEED_THREADS), SEED_THREADS, given)
         return self._held["covariances"], self._held["colours"]
@@ -180,28 +166,18 @@ class DeviceStep:
 
     def _launch(self, kind: StepKind, passes: TilePasses) -> None:
         """All kernels of a step, in their order."""
-        given = self._arguments(kind, passes)
-        sums, seeds = self._size_of("sums"), -(-self.count // SEED_THREADS)
-        predicts = bool(given.predicts)
-        if predicts:
-            self.gpu.launch("add_difference", -(-self._size_of("rest") // ADD_THREADS), ADD_THREADS, given)
-        if predicts and kind.reuse is Reuse.NOTHING:
-            for kernel in ("summarize_seeds", "gather_inputs"):
+        given, seeds = self._arguments(kind, passes), -(-self.count // SEED_THREADS)
+        if given.predicts and kind.reuse is Reuse.NOTHING:
+            for kernel in ("summarize_seeds", "gather_inputs", "multiply_inputs"):
                 self.gpu.launch(kernel, seeds, SEED_THREADS, given)
-        if predicts and (kind.reuse is Reuse.NOTHING or given.trains_first):
-            self.gpu.launch("multiply_inputs", seeds, SEED_THREADS, given)
         self.gpu.launch("forward_seeds", seeds, SEED_THREADS, given)
         passes.bin()
         passes.over_tiles("error")
         passes.reduce()
-        self.gpu.launch("attribute_slopes", seeds, SEED_THREADS, given)
-        if predicts:
-            self.gpu.launch("descend_networks", 3 * given.chunks, SEED_THREADS, given)
-            self.gpu.launch("sum_chunks", -(-sums // SUM_THREADS), SUM_THREADS, given)
-            if kind.priced:
-                self.gpu.launch("price_differences", 9, PRICE_THREADS, given)
-        else:
-            self.gpu.launch("descend_seeds", seeds, SEED_THREADS, given)
+        self.gpu.launch("descend_seeds", given.chunks, SEED_THREADS, given)
+        if kind.rounding:
+            steps = self._size_of("grad_steps")
+            self.gpu.launch("sum_chunks", -(-steps // SEED_THREADS), SEED_THREADS, given)
         self._launch_adam(kind.moved, given)
         self.gpu.launch("report_step", 1, REPORT_THREADS, given)
 
@@ -210,9 +186,9 @@ class DeviceStep:
         adam.numbers, adam.pairs = given.numbers, given.pairs
         total = 0
         for place, name in enumerate(moved):
-            adam.value[place], adam.gradient[place] = self._address(_PLACES.get(name, name)), self._gradient(name)
+            adam.value[place], adam.gradient[place] = self._address(name), self._address(f"grad_{name}")
             adam.mean[place], adam.square[place] = (array.address for array in self._moments[name])
-            adam.size[place] = self._size_of(_PLACES.get(name, name))
+            adam.size[place] = self._size_of(name)
             total += adam.size[place]
         self.gpu.launch("move_arrays", -(-total // MOVE_THREADS), MOVE_THREADS, adam)
 
@@ -238,31 +214,17 @@ class DeviceStep:
             )
         return self._passes[scale]
 
-    def _gradient(self, name: str) -> int:
-        rest = self._size_of("rest")
-        offset = {"context.rest": 0, "context.difference": 0, "steps": rest}.get(name)
-        if name == "context.first":
-            offset = rest + self._size_of("steps")
-        return self._address(f"grad_{name}") if offset is None else self._address("sums") + 4 * offset
-
-    def _upload(self, name: str, values: F32) -> None:
-        if name not in self._held or self._held[name].shape != values.shape:
-            self._held[name] = self.gpu.array(values.shape)
-            self._graphs = {}
-        self._held[name].upload(values)
-
     def _address(self, name: str) -> int:
         return self._held[name].address
 
     def _size_of(self, name: str) -> int:
-        return math.prod(self._held[name].shape) if name in self._held else -1
+        return math.prod(self._held[name].shape)
 
     def _shapes(self) -> dict[str, tuple[int, ...]]:
         """Of what a step writes."""
         n, channels, hidden = self.count, self.spec.channels, self.spec.context.hidden
         attributes, common = channels + 5, layer_shapes(self.spec)[0][0][1]
-        rest = sum(math.prod(shape) for stage in layer_shapes(self.spec) for shape in stage[1:])
-        units = sum(base_counts(self.spec)) // LEVELS
+        steps, units = sum(base_counts(self.spec)) + len(gamma_names(self.spec)), sum(base_counts(self.spec)) // LEVELS
         gaussians = {"means": (n, 2), "covariances": (n, 3), "colours": (n, channels)}
         values = {"colour": (n, channels), "shape": (n, 3), "offset": (n, 2)}
         return {
@@ -270,16 +232,5 @@ class DeviceStep:
             **{"decoded": (n, attributes), "slopes": (n, attributes), "bits": (n,)},
             **gaussians,
             **{f"grad_{name}": shape for name, shape in (gaussians | values).items()},
-            "effective": (rest,),
+            **{"partials": (self._fixed["chunks"], steps), "grad_steps": (steps,)},
         }
-
-
-def _sums(spec: ModelSpec, trains_first: bool) -> int:
-    """How many sums over seeds a step has: gradients of b1, W2, b2, of the steps and, if it trains, of W1."""
-    stages = layer_shapes(spec)
-    counted = sum(math.prod(shape) for stage in stages for shape in (stage if trains_first else stage[1:]))
-    return counted + sum(base_counts(spec)) + len(gamma_names(spec))
-
-
-_PLACES = {"context.difference": "difference", "context.first": "first", "context.rest": "rest"}
-"""Where arrays that train lie, if not under their own name."""

@@ -97,6 +97,7 @@ class FeatureStep:
     def run(self, parameters: Parameters, rounding: Rounding, number: int, level: Level, lmbda: float) -> StepResult:
         """As `GradientStep.run`."""
         seeds, context, noise = parameters.seeds, parameters.context, NoiseKey.of(self.settings.seed, number)
+        assert context is not None
         feature, scales, offset = (seeds.values[name] for name in _GROUPS)
         priced, decoders = rounding == "noise" and lmbda > 0, seeds.decoder_weights
         if priced:
@@ -121,7 +122,7 @@ class FeatureStep:
                     slopes += price_slope(seeds.decoders[name], seeds.decoder_shift, given.price)
         gradients = dict(zip(_GROUPS, outputs.values, strict=True))
         gradients |= {f"decoder_{name}": slopes for name, slopes in seeds.by_network(outputs.sums).items()}
-        if priced and context.trains:
+        if priced:
             gradients |= context.gradients(outputs.sums[len(decoders) :], outputs.tables, given.price)
         return StepResult(outputs.error, outputs.bits, gradients)
 

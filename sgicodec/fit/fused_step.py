@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from enum import Enum
 
 import numpy as np
@@ -9,13 +10,14 @@ from numpy.typing import NDArray
 
 from sgicodec import _native
 from sgicodec.device import Device
-from sgicodec.fit.context_weights import ContextWeights
+from sgicodec.fit.context_weights import float_weights
 from sgicodec.fit.noise import NoiseKey
 from sgicodec.fit.parameters import Parameters, StepResult
 from sgicodec.fit.pyramid import Level
 from sgicodec.model.context import neighbour_table
 from sgicodec.model.gaussians import MIN_VARIANCE, colour_matrix, empty_gaussians
 from sgicodec.model.layout import SeedLayout
+from sgicodec.model.network import IntNetwork
 from sgicodec.model.spec import ModelSpec
 from sgicodec.profiles.fit_settings import Rounding
 from sgicodec.raster.backend import Backend
@@ -29,8 +31,7 @@ _GROUPS = ("colour", "shape", "offset")
 _FLOOR = np.array([MIN_VARIANCE, 0.0, MIN_VARIANCE], np.float32)
 
 REFRESH, PREDICT = 8, 4
-"""How many steps inputs from neighbours stand, and predictions under noise where only MLP_p's difference trains
-(docs/notes/2026-11-fit-settings.md)."""
+"""How many steps inputs from neighbours stand, and predictions under noise (docs/notes/2026-11-fit-settings.md)."""
 
 
 class Reuse(Enum):
@@ -39,29 +40,30 @@ class Reuse(Enum):
     NOTHING, INPUTS, PREDICTIONS = range(3)
 
 
-def reuse_of(age: int, rounding: Rounding, context: ContextWeights) -> Reuse:
+def reuse_of(age: int, rounding: Rounding) -> Reuse:
     """What the step takes over, `age` steps after inputs from neighbours were found."""
     if age == 0 or rounding == "none":
         return Reuse.NOTHING
-    lazy = rounding == "noise" and context.difference is not None and age % PREDICT
-    return Reuse.PREDICTIONS if lazy else Reuse.INPUTS
+    return Reuse.PREDICTIONS if rounding == "noise" and age % PREDICT else Reuse.INPUTS
 
 
 class FusedStep:
     """A `GradientStep` for squared error and Laplacian bits, for the models that `can_run` names.
 
-    Noise is a hash of (its key, column, seed), so that a step does not depend on the number of threads. Inputs from
-    neighbours are found again every `REFRESH` steps: they move slowly, and all seeds can then be evaluated at once
-    although coding visits them pass by pass. Under noise, where MLP_p is a prior's and only its difference trains, it
-    runs every `PREDICT` steps: in between, its last outputs and the gradients of its difference and of the steps stand.
+    networks: MLP_p of each coding stage, which does not train. Noise is a hash of (its key, column, seed), so that a
+    step does not depend on the number of threads. Inputs from neighbours are found again every `REFRESH` steps: they
+    move slowly, and all seeds can then be evaluated at once although coding visits them pass by pass. Under noise,
+    MLP_p runs every `PREDICT` steps: in between, its last outputs stand.
     """
 
-    def __init__(self, spec: ModelSpec, seed: int, raster: Backend[F32], device: Device) -> None:
+    def __init__(
+        self, spec: ModelSpec, seed: int, networks: Sequence[IntNetwork], raster: Backend[F32], device: Device
+    ) -> None:
         opponent = np.array(colour_matrix(spec.channels), np.float32)
-        self.native = _native.SeedFit(device.isa, device.threads, spec.context.hidden, opponent)
+        weights = float_weights(networks)
+        self.native = _native.SeedFit(device.isa, device.threads, spec.context.hidden, opponent, *weights)
         self.spec, self.seed, self.raster = spec, seed, raster
         self.age = 0
-        self.standing: dict[str, F32] = {}
 
     @staticmethod
     def can_run(spec: ModelSpec) -> bool:
@@ -77,47 +79,18 @@ class FusedStep:
 
     def run(self, parameters: Parameters, rounding: Rounding, number: int, level: Level, lmbda: float) -> StepResult:
         """As `GradientStep.run`."""
-        colour, shape, offset = values = [parameters.seeds.values[name] for name in _GROUPS]
-        context, noise = parameters.context, NoiseKey.of(self.seed, number)
+        colour, shape, offset = (parameters.seeds.values[name] for name in _GROUPS)
+        noise, steps = NoiseKey.of(self.seed, number), parameters.steps
         gaussians = empty_gaussians(self.count, self.spec.channels)
-        reuse = reuse_of(self.age, rounding, context)
-        rest = context.effective_rest()  # the backward pass reads it again
-        bits = self.native.forward(
-            colour,
-            shape,
-            offset,
-            context.first,
-            rest,
-            parameters.steps,
-            ROUNDINGS[rounding],
-            noise.key,
-            noise.negative,
-            reuse.value,
-            context.trains,
-            *gaussians,
-        )
+        reuse = reuse_of(self.age, rounding)
+        how = ROUNDINGS[rounding], noise.key, noise.negative, reuse.value
+        bits = self.native.forward(colour, shape, offset, steps, *how, *gaussians)
         self.age = (self.age + 1) % REFRESH if rounding != "none" else 0
         error, slopes = self._draw(gaussians, level)
-        d_colour, d_shape, d_offset = (np.empty_like(value) for value in values)
-        sums = np.empty(self.native.sums, np.float32)
-        self.native.backward(*slopes, lmbda, d_colour, d_shape, d_offset, sums)
+        d_colour, d_shape, d_offset, d_steps = (np.empty_like(array) for array in (colour, shape, offset, steps))
+        self.native.backward(*slopes, lmbda, d_colour, d_shape, d_offset, d_steps)
         gradients = {"colour": d_colour, "shape": d_shape, "offset": d_offset}
-        if rounding != "none":
-            if reuse is not Reuse.PREDICTIONS:
-                self.standing = self._shared_gradients(sums, len(parameters.steps), context, lmbda)
-            gradients |= self.standing
-        return StepResult(error, bits, gradients)
-
-    @staticmethod
-    def _shared_gradients(sums: F32, steps: int, context: ContextWeights, lmbda: float) -> dict[str, F32]:
-        """Those of what all seeds share, from sums over seeds: of b1, W2 and b2, then steps, then W1 if it trains."""
-        at = len(context.rest)
-        rest, gradients = sums[:at], {"steps": sums[at : at + steps]}
-        if context.difference is not None:
-            gradients["context.difference"] = rest + context.difference_gradient(lmbda) if lmbda else rest
-        elif context.trains:
-            gradients |= {"context.first": sums[at + steps :], "context.rest": rest}
-        return gradients
+        return StepResult(error, bits, gradients if rounding == "none" else gradients | {"steps": d_steps})
 
     def _draw(self, gaussians: tuple[F32, F32, F32], level: Level) -> tuple[float, tuple[F32, F32, F32]]:
         """Squared error without weights, and the gradients of that with weights in the Gaussians at full size."""

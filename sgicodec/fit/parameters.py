@@ -21,17 +21,20 @@ F32 = NDArray[np.float32]
 
 @dataclass
 class Parameters:
-    """seeds: attributes and decoders; steps: as `step_sizes.flat_steps`; context: MLP_p and the hash grid."""
+    """seeds: attributes and decoders; steps: as `step_sizes.flat_steps`; context: MLP_p and the hash grid, None where
+    MLP_p is shipped.
+    """
 
     seeds: SeedSet
     steps: F32
-    context: ContextWeights
+    context: ContextWeights | None
 
     def trained(self) -> dict[str, F32]:
         """The arrays that train, by name."""
         networks = self.seeds.by_network(self.seeds.decoder_weights)
         decoders = {f"decoder_{name}": weights for name, weights in networks.items()}
-        return {**self.seeds.values, **decoders, "steps": self.steps, **self.context.trained()}
+        context = self.context.trained() if self.context is not None else {}
+        return {**self.seeds.values, **decoders, "steps": self.steps, **context}
 
 
 def learning_rate_of(name: str) -> str:

@@ -66,8 +66,8 @@ class Trainer:
     """One picture's fit. `target` [C, H, W] is the picture less its base layer, samples in 0..1, and `weights` [H, W]
     what their squared errors count, by default all the same.
 
-    MLP_p is one of two: `networks`, integers to which the fit adds a small difference, or, without them, a new one that
-    turns into integers at the end.
+    MLP_p is one of two: `networks`, which ship, or, without them, a new one that trains and turns into integers at the
+    end.
 
     Raises ValueError for a model or a loss that no profile has.
     """
@@ -96,15 +96,15 @@ class Trainer:
         rng = np.random.default_rng(settings.seed)
         self.seeds = SeedSet(spec, layout, target, rng, device)
         self.seeds.decoder_shift += math.ceil(settings.finer_steps)
-        self.context = ContextWeights(spec, self._hash_sizes(), rng)
-        if networks is not None:
-            self.context.adapt(networks)
+        self.networks = networks
+        self.context = ContextWeights(spec, self._hash_sizes(), rng) if networks is None else None
         steps = flat_steps(spec, default_plan(spec, self.quality))
         steps[: sum(base_counts(spec))] -= settings.finer_steps
         self.parameters = Parameters(self.seeds, steps, self.context)
         self.adam = Adam(settings.rates.betas, settings.rates.epsilon, device)
-        self.on_gpu = self._device_fit(family, device)
-        self.gradient_step = gradient_step_of(spec, settings, self.raster, (width, height), family, device)
+        self.on_gpu = self._device_fit(device)
+        how = networks, self.raster, (width, height), family, device
+        self.gradient_step = gradient_step_of(spec, settings, *how)
         (self.on_gpu or self.gradient_step).set_layout(self.seeds.layout, self.quality)
         self.step = 0
         self.centred = False
@@ -119,7 +119,7 @@ class Trainer:
         """Steps one at a time through all phases."""
         for index, phase in enumerate(self.settings.phases):
             if phase.rounding == "round":
-                self._fix_what_is_shared()
+                self._fix_steps()
             if phase.rate:
                 self._centre_context()
             prunes, growths = evenly(phase.prune), evenly(phase.grow)
@@ -133,20 +133,18 @@ class Trainer:
                 self.step += 1
                 yield Progress(self.step, self.schedule.steps, len(self.seeds), psnr, bits)
 
-    def _fix_what_is_shared(self) -> None:
-        """From the round phase on, everything but the seeds is what the stream will hold."""
+    def _fix_steps(self) -> None:
+        """From the round phase on, steps are those that the stream will hold."""
         self.fetch()
-        self.context.freeze()
         self.parameters.steps[:] = flat_steps(self.spec, rounded_plan(self.spec, self.parameters.steps))
         if self.on_gpu is not None:
             self.on_gpu.put()
 
     def _centre_context(self) -> None:
-        """Lets a new MLP_p of a single coding stage begin at every attribute's mean and deviation."""
-        if self.centred or self.spec.plain or not self.context.trains:
-            return
-        self.centred = True
-        self.context.centre(self._in_base_steps())
+        """Lets a new MLP_p begin at every attribute's mean and deviation."""
+        if self.context is not None and not self.centred:
+            self.centred = True
+            self.context.centre(self._in_base_steps())
 
     def _in_base_steps(self) -> F32:
         """The attributes of all groups as they are coded [N, d_A], where all seeds have cells of one pixel."""
@@ -219,17 +217,17 @@ class Trainer:
         if self.on_gpu is not None:
             self.on_gpu.fetch()
 
-    def _device_fit(self, family: int, device: Device) -> DeviceFit | None:
+    def _device_fit(self, device: Device) -> DeviceFit | None:
         """The fit on the GPU that was asked for, if its kernels have this model and loss."""
         if device.gpu is None:
             return None
         from sgicodec.cuda.gpu import opened
         from sgicodec.fit.device_fit import DeviceFit
 
-        if not (family and self.settings.loss == "squared" and DeviceFit.can_run(self.spec)):
+        if self.networks is None or self.settings.loss != "squared" or not DeviceFit.can_run(self.spec):
             return None
         gpu, seed = opened(device.gpu), self.settings.seed
-        return DeviceFit(self.spec, seed, gpu, self.parameters, self.adam, self.raster.cutoff)
+        return DeviceFit(self.spec, seed, self.networks, gpu, self.parameters, self.adam, self.raster.cutoff)
 
     def _hash_sizes(self) -> tuple[int, ...]:
         """Entries of the hash grid's tables."""
@@ -240,7 +238,7 @@ class Trainer:
     def result(self) -> Fitted:
         """What the fit has found so far, in the stream's order."""
         self.fetch()
-        if not self.spec.plain and self.context.trains and not self.centred:
+        if self.context is not None and not self.centred:
             self.context.say_constants(self._in_base_steps())  # it has learned nothing yet
         order = self.seeds.layout.order()
         return Fitted(
@@ -249,7 +247,12 @@ class Trainer:
             {name: weights.astype(np.float64) for name, weights in self.seeds.decoders.items()},
             self.seeds.decoder_shift,
             rounded_plan(self.spec, self.parameters.steps),
-            self.context.integers(),
-            self.context.signs(),
+            *self._context(),
             self.quality,
         )
+
+    def _context(self) -> tuple[tuple[IntNetwork, ...], list[NDArray[np.int64]]]:
+        """MLP_p and the hash grid's bits as the stream will hold them."""
+        if self.context is None:
+            return self.networks or (), []
+        return (self.context.integers(),), self.context.signs()

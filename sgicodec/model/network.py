@@ -12,12 +12,10 @@ from sgicodec.errors import CorruptStreamError
 from sgicodec.model.context import INPUT_BITS
 from sgicodec.model.quantization import PER_OCTAVE
 
-__all__ = ["DIFFERENCE_SHIFT", "INPUT_LIMIT", "MEAN_BITS", "IntNetwork"]
+__all__ = ["INPUT_LIMIT", "MEAN_BITS", "IntNetwork"]
 
 I64 = NDArray[np.int64]
 
-DIFFERENCE_SHIFT = 5
-"""What a picture changes in a shipped network comes in multiples of 2^-5."""
 EXACT = float(1 << 53)
 
 
@@ -52,23 +50,3 @@ class IntNetwork:
         """W1, b1, W2 and b2 as native code takes them."""
         w1, b1, w2, b2 = (np.ascontiguousarray(array, np.int64) for array in (self.w1, self.b1, self.w2, self.b2))
         return w1, b1, w2, b2
-
-    def plus(self, b1: I64, w2: I64, b2: I64) -> IntNetwork:
-        """This network with differences in units of 2^-DIFFERENCE_SHIFT added to b1, W2 and b2."""
-        unit = self.shift - DIFFERENCE_SHIFT
-        return IntNetwork(
-            self.w1,
-            self.b1 + (b1 << unit),
-            self.w2 + (w2 << unit),
-            self.b2 + (b2 << unit),
-            self.shift,
-            self.predicted,
-        )
-
-    def coarser(self, octaves: float) -> IntNetwork:
-        """This network with every refinement r of the steps raised by so many octaves, in units of
-        2^-DIFFERENCE_SHIFT.
-        """
-        b2 = np.zeros_like(self.b2)
-        b2[2 * self.predicted :] = round(octaves * 2**DIFFERENCE_SHIFT)
-        return self.plus(np.zeros_like(self.b1), np.zeros_like(self.w2), b2)

@@ -19,11 +19,8 @@ _SHORT_STEPS = 150
 time (docs/notes/2026-11-ladder.md)."""
 
 
-def default_spec(channels: int, prior: int = 3, texture: bool = False) -> ModelSpec:
-    """The `default` profile: adaptive seeds, log-covariances, a base layer, context from decoded neighbours.
-
-    Prior 1 was trained for passes that do not go by size, and its streams state the probabilities of seeds' places.
-    """
+def default_spec(channels: int, texture: bool = False) -> ModelSpec:
+    """The `default` profile: adaptive seeds, log-covariances, a base layer, shipped context from decoded neighbours."""
     steps = (("colour",), ("shape",), ("offset",))
     return ModelSpec(
         channels=channels,
@@ -32,7 +29,7 @@ def default_spec(channels: int, prior: int = 3, texture: bool = False) -> ModelS
         features=channels + 3,
         hidden=0,
         base_cell=64,
-        context=ContextSpec(prior=prior, steps=steps, hidden=64, neighbours=6),
+        context=ContextSpec(prior=PRIOR, steps=steps, hidden=64, neighbours=6),
         texture=texture,
     )
 
@@ -85,8 +82,7 @@ def lmbda_of_quality(quality: float) -> float:
 
 
 def _spec(choices: Choices, channels: int) -> ModelSpec:
-    prior = PRIOR if choices.prior is None else choices.prior
-    spec = default_spec(channels, prior, texture=choices.texture)
+    spec = default_spec(channels, texture=choices.texture)
     return replace(spec, restoration=choices.texture and choices.restoration)
 
 

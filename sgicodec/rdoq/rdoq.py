@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 
 from sgicodec.bitstream.parts.tile import TileModel
 from sgicodec.rdoq.coordinate_descent import descend
@@ -11,10 +10,6 @@ from sgicodec.rdoq.objective import Objective
 from sgicodec.rdoq.settings import RdoqSettings
 
 __all__ = ["searched"]
-
-_COARSER = 0.3
-"""Octaves by which steps grow beforehand: symbols that are searched want coarser steps than the noise that they were
-trained with (docs/notes/2026-11-rdoq.md)."""
 
 
 def searched(
@@ -31,7 +26,6 @@ def searched(
     """
     if ending(0):
         return model
-    model = replace(model, networks=tuple(network.coarser(_COARSER) for network in model.networks))
     residual = objective.residual(model)
     for done in range(settings.passes):
         if done and ending(done):

@@ -12,7 +12,6 @@ from sgicodec.device import ONE_THREAD, Device
 
 SETTINGS = {
     "default": EncodeSettings(steps=60),
-    "own-context": EncodeSettings(steps=25, prior=0),
     "texture": EncodeSettings(steps=25, quality=85),
     "paper": EncodeSettings(profile="paper", steps=20, seeds=3000, per_seed=2, features=8),
 }

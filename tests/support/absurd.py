@@ -31,8 +31,8 @@ __all__ = ["absurd_stream"]
 def absurd_stream(rng: np.random.Generator) -> bytes:
     """A stream that decodes, though what it decodes to is nonsense."""
     channels, per_seed = int(rng.choice([1, 2, 3, 4, 7])), int(rng.integers(1, 4))
-    spec = default_spec(channels, 0) if rng.random() < 0.5 else paper_spec(channels, per_seed, 5)
-    spec = replace(spec, texture=bool(rng.random() < 0.5))
+    spec = default_spec(channels) if rng.random() < 0.5 else paper_spec(channels, per_seed, 5)
+    spec = replace(spec, context=replace(spec.context, prior=0), texture=bool(rng.random() < 0.5))
     width, height = (int(2 ** rng.uniform(0, 9)) for _ in range(2))
     sample_type = str(rng.choice(SAMPLE_TYPES))
     reach = {"uint8": (0.0, 255.0), "uint16": (0.0, 65535.0), "float32": (-3e37, 2e37)}[sample_type]

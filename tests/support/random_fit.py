@@ -6,21 +6,37 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec.device import ONE_THREAD
-from sgicodec.fit.context_weights import ContextWeights, layer_shapes, shaped
+from sgicodec.fit.context_weights import layer_shapes
 from sgicodec.fit.parameters import Parameters
 from sgicodec.fit.seed_set import SeedSet
 from sgicodec.fit.step_sizes import flat_steps
+from sgicodec.model.context import output_count
 from sgicodec.model.layout import SeedLayout, adaptive_layout
+from sgicodec.model.network import IntNetwork
 from sgicodec.model.spec import ModelSpec
 from sgicodec.model.steps import default_plan
 
-__all__ = ["random_fit"]
+__all__ = ["random_fit", "random_networks"]
+
+
+def random_networks(
+    spec: ModelSpec, rng: np.random.Generator, w2_size: float = 0.3, b2_size: float = 0.2
+) -> tuple[IntNetwork, ...]:
+    """Networks of weights of a plausible size, in the place of the shipped ones."""
+    networks, unit = [], 2.0**8
+    for (w1, b1, w2, b2), stage in zip(layer_shapes(spec), spec.context.steps, strict=True):
+        sizes = {"w1": (w1, (2.0 / w1[1]) ** 0.5), "w2": (w2, w2_size / w2[1] ** 0.5), "b2": (b2, b2_size)}
+        drawn = {name: np.rint(rng.normal(size=shape) * size * unit) for name, (shape, size) in sizes.items()}
+        arrays = {name: values.astype(np.int64) for name, values in drawn.items()}
+        predicted = sum(output_count(spec, group) for group in stage)
+        networks.append(IntNetwork(b1=np.zeros(b1, np.int64), shift=8, predicted=predicted, **arrays))
+    return tuple(networks)
 
 
 def random_fit(
-    spec: ModelSpec, width: int, height: int, quality: int, longest: float, frozen: bool = False
-) -> tuple[SeedLayout, NDArray[np.float32], Parameters]:
-    """`longest`: |(b, c)| of shapes at most. `frozen`: the network is integers, and a difference trains."""
+    spec: ModelSpec, width: int, height: int, quality: int, longest: float
+) -> tuple[SeedLayout, NDArray[np.float32], Parameters, tuple[IntNetwork, ...]]:
+    """`longest`: |(b, c)| of shapes at most."""
     rng = np.random.default_rng(3)
     detail = (rng.normal(size=(3, height, width)) * np.linspace(0, 1, width) ** 2).astype(np.float32)
     layout = adaptive_layout(detail, 6.0)
@@ -33,11 +49,5 @@ def random_fit(
     seeds.values["shape"][: len(layout) // 8, 1:3] *= 0.01  # nearly round, where differences cancel
     lean = seeds.values["shape"].reshape(-1, 3)[:, 1:]
     lean *= np.minimum(1, longest / np.linalg.norm(lean, axis=1, keepdims=True))
-    context = ContextWeights(spec, (), rng)
-    context.rest *= 3.0  # W2; both biases are zero
-    for b2 in shaped([shape for stage in layer_shapes(spec) for shape in stage[1:]], context.rest)[2::3]:
-        b2 += rng.normal(size=b2.shape).astype(np.float32) * 0.2
-    if frozen:
-        context.adapt(context.integers())
-        context.trained()["context.difference"][:] = rng.normal(size=context.rest.shape) * 0.05
-    return layout, target, Parameters(seeds, flat_steps(spec, default_plan(spec, quality)), context)
+    parameters = Parameters(seeds, flat_steps(spec, default_plan(spec, quality)), None)
+    return layout, target, parameters, random_networks(spec, rng)

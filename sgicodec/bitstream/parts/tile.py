@@ -18,7 +18,6 @@ from sgicodec.bitstream.parts.arrays import write_base, write_signs, write_weigh
 from sgicodec.bitstream.parts.attributes import QuantisedAttributes, quantise_attributes, write_attributes
 from sgicodec.bitstream.parts.positions import write_positions
 from sgicodec.bitstream.parts.predicted_positions import TreeContext, write_predicted_positions
-from sgicodec.bitstream.parts.prior import load_prior
 from sgicodec.bitstream.parts.restoration import write_restoration
 from sgicodec.bitstream.parts.texture import layer_of, write_texture
 from sgicodec.device import ONE_THREAD, Device
@@ -26,7 +25,7 @@ from sgicodec.errors import LimitError
 from sgicodec.model.base import base_shape
 from sgicodec.model.gaussians import decoder_shapes
 from sgicodec.model.layout import SeedLayout
-from sgicodec.model.network import DIFFERENCE_SHIFT, IntNetwork
+from sgicodec.model.network import IntNetwork
 from sgicodec.model.quantization import FRACTION_BITS
 from sgicodec.model.restoration import Restoration
 from sgicodec.model.spec import ModelSpec
@@ -161,21 +160,10 @@ def _write_layout(writer: SymbolWriter, header: Header, base: I64, layout: SeedL
 
 
 def write_networks(writer: SymbolWriter, spec: ModelSpec, networks: tuple[IntNetwork, ...]) -> None:
-    """The weights of MLP_p, or what they add to the prior: whether anything, then b1, W2 and b2 of every step."""
-    if not spec.context.prior:
-        for number, network in enumerate(networks):
-            writer.code_int(network.shift, _SHIFT_BITS)
-            for name, shape in network_shapes(spec, number).items():
-                write_weights(writer, getattr(network, name), shape)
+    """The weights of MLP_p, nothing where it is shipped."""
+    if spec.context.prior:
         return
-    added = [_differences(p, n) for p, n in zip(load_prior(spec), networks, strict=True)]
-    changed = any(part.any() for step in added for part in step)
-    writer.code_int(int(changed), 1)
-    for part in (part for step in added for part in step if changed):
-        write_weights(writer, part, part.shape)
-
-
-def _differences(prior: IntNetwork, network: IntNetwork) -> list[I64]:
-    """What `network` adds to the prior's b1, W2 and b2, in the stream's units."""
-    unit = prior.shift - DIFFERENCE_SHIFT
-    return [(getattr(network, name) - getattr(prior, name)) >> unit for name in ("b1", "w2", "b2")]
+    for number, network in enumerate(networks):
+        writer.code_int(network.shift, _SHIFT_BITS)
+        for name, shape in network_shapes(spec, number).items():
+            write_weights(writer, getattr(network, name), shape)

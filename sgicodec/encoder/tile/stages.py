@@ -43,9 +43,6 @@ __all__ = [
 STRATEGIES: dict[str, LeastSquares | Perceptual] = {"psnr": LeastSquares(), "visual": Perceptual()}
 """By what an encode is tuned for."""
 
-_MIN_TAUGHT_SEEDS = 64
-"""Seeds from which on a fit may change the shipped context model; the change takes 20 to 250 bytes."""
-
 
 def encode(tile: Tile) -> TileState:
     """The tile through all stages, at a constant λ."""
@@ -111,21 +108,19 @@ def _first_layout(prepared: Prepared) -> SeedLayout:
 
 
 def in_integers(prepared: Prepared, fitted: Fitted) -> TileState:
-    """A fit in integers. What few seeds teach the context model is noise, and costs more than they do."""
-    header = prepared.tile.header
-    keeps_prior = header.spec.context.prior and len(fitted.layout) < _MIN_TAUGHT_SEEDS
+    """A fit in integers."""
     model = TileModel(
         fitted.layout,
         fitted.plan,
         prepared.base_step,
         prepared.base,
         {name: np.rint(w * 2.0**fitted.decoder_shift).astype(np.int64) for name, w in fitted.decoders.items()},
-        load_prior(header.spec) if keeps_prior else fitted.networks,
+        fitted.networks,
         fitted.hash_bits,
         fitted.attributes,
         decoder_shift=fitted.decoder_shift,
     )
-    return with_model(prepared, replace(header, quality=fitted.quality), model)
+    return with_model(prepared, replace(prepared.tile.header, quality=fitted.quality), model)
 
 
 def with_model(prepared: Prepared, header: Header, model: TileModel) -> TileState:

@@ -57,7 +57,6 @@ def pictures() -> dict[str, tuple[Picture, EncodeSettings]]:
     crop_with_alpha = Picture(np.concatenate([crop.pixels, forest[..., :1]], axis=2), "rgba", (0.0, 255.0))
     return {
         "rgb8": (crop, quick),
-        "rgb8-own-context": (crop, replace(quick, prior=0)),
         "gray16": (Picture(grey[..., None], "gray", (0.0, 65535.0)), quick),
         "gray8-alpha": (Picture(np.ascontiguousarray(alpha[..., 2:]), "gray+alpha", (0.0, 255.0)), quick),
         "rgba8": (Picture(alpha, "rgba", (0.0, 255.0)), quick),

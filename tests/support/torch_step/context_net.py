@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import torch
 from torch import Tensor
@@ -10,7 +11,8 @@ from torch import Tensor
 from sgicodec.fit.context_weights import WEIGHT_SHIFT, ContextWeights, layer_shapes, shaped
 from sgicodec.fit.weight_bits import ADDED_UNITS
 from sgicodec.model.context import INPUT_BITS, HashGrid, output_count
-from sgicodec.model.network import DIFFERENCE_SHIFT, INPUT_LIMIT
+from sgicodec.model.network import INPUT_LIMIT
+from sgicodec.model.spec import ModelSpec
 
 __all__ = ["ContextNet", "binarize", "bits_by_mean"]
 
@@ -28,37 +30,29 @@ def bits_by_mean(sizes: Tensor) -> Tensor:
 
 
 class ContextNet:
-    """The arrays of `weights` as tensors on the same memory. Those that train are `leaves`, by their names there."""
+    """MLP_p and the hash grid as tensors: the arrays of a `ContextWeights` on the same memory, which are `leaves` by
+    their names there, or weights as `float_weights` has them, which do not train.
+    """
 
-    def __init__(self, weights: ContextWeights) -> None:
-        self.spec, self.trains = weights.spec, weights.trains
-        self.leaves = {name: torch.from_numpy(array).requires_grad_() for name, array in weights.trained().items()}
-        first = self.leaves.get("context.first", torch.from_numpy(weights.first))
-        rest = self.leaves.get("context.rest", torch.from_numpy(weights.rest))
-        tables = self.leaves.get("context.tables", torch.from_numpy(weights.tables))
-        self.tables: list[Tensor] = weights.per_table(tables)
-        self.difference = self.leaves.get("context.difference")
-        if self.difference is not None:
-            rest = rest + self.difference
-        shapes = layer_shapes(self.spec)
+    def __init__(self, spec: ModelSpec, weights: ContextWeights | tuple[Any, Any]) -> None:
+        self.spec = spec
+        self.leaves: dict[str, Tensor] = {}
+        self.tables: list[Tensor] = []
+        if isinstance(weights, ContextWeights):
+            self.leaves = {name: torch.from_numpy(a).requires_grad_() for name, a in weights.trained().items()}
+            first, rest, tables = (self.leaves[f"context.{name}"] for name in ("first", "rest", "tables"))
+            self.tables = weights.per_table(tables)
+        else:
+            first, rest = map(torch.from_numpy, weights)
+        shapes = layer_shapes(spec)
         firsts: list[Tensor] = shaped([stage[0] for stage in shapes], first)
         rests: list[Tensor] = shaped([shape for stage in shapes for shape in stage[1:]], rest)
         self.layers = [[w1, *rests[3 * number : 3 * number + 3]] for number, w1 in enumerate(firsts)]
-        self._counts = [math.prod(shape) for stage in shapes for shape in stage[1:]]
-
-    def difference_bits(self) -> Tensor:
-        """About what the differences cost: each tensor under the Laplacian of its own mean magnitude."""
-        total = torch.zeros(())
-        if self.difference is None:
-            return total
-        for part in torch.split(self.difference.abs() * 2.0**DIFFERENCE_SHIFT, self._counts):
-            total = total + bits_by_mean(part)
-        return total
 
     def weight_bits(self) -> Tensor:
-        """About what weights of the paper profile cost: each matrix under the Laplacian of its own mean magnitude."""
+        """About what weights that train cost: each matrix under the Laplacian of its own mean magnitude."""
         total = torch.zeros(())
-        if self.spec.plain or not self.trains:
+        if not self.leaves:
             return total
         for w1, _, w2, _ in self.layers:
             for matrix in (w1, w2):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any, cast
 
@@ -11,6 +11,7 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
+from sgicodec.fit.context_weights import float_weights
 from sgicodec.fit.feature_step import MIN_SAMPLED
 from sgicodec.fit.noise import NoiseKey, hashed_noise
 from sgicodec.fit.parameters import Parameters, StepResult
@@ -19,6 +20,7 @@ from sgicodec.fit.seed_set import coded_values
 from sgicodec.fit.weight_bits import with_weight_noise
 from sgicodec.model.gaussians import colour_matrix, decoder_parts, gaussians_from_seeds
 from sgicodec.model.layout import SeedLayout
+from sgicodec.model.network import IntNetwork
 from sgicodec.model.spec import ModelSpec
 from sgicodec.profiles.fit_settings import FitSettings, Rounding
 from sgicodec.raster.backend import Backend, Loss
@@ -31,13 +33,19 @@ F32 = NDArray[np.float32]
 
 
 class AutogradStep:
-    """A `GradientStep` with squared or mean absolute error, for a picture of `size` (W, H)."""
+    """A `GradientStep` with squared or mean absolute error for a picture of `size` (W, H); networks: that ship."""
 
     def __init__(
-        self, spec: ModelSpec, settings: FitSettings, raster: Backend[F32], family: int, size: tuple[int, int]
+        self,
+        spec: ModelSpec,
+        settings: FitSettings,
+        raster: Backend[F32],
+        family: int,
+        size: tuple[int, int],
+        networks: Sequence[IntNetwork] = (),
     ) -> None:
         self.spec, self.settings, self.raster, self.size = spec, settings, raster, size
-        self.proxy = QuantizationProxy(spec, family)
+        self.proxy, self.networks = QuantizationProxy(spec, family), networks
         self._opponent = torch.tensor(colour_matrix(spec.channels))
 
     def set_layout(self, layout: SeedLayout, quality: int) -> None:
@@ -51,7 +59,7 @@ class AutogradStep:
             return self._run(parameters, rounding, NoiseKey.of(self.settings.seed, number), level, lmbda)
 
     def _run(self, parameters: Parameters, rounding: Rounding, key: NoiseKey, level: Level, lmbda: float) -> StepResult:
-        net = ContextNet(parameters.context)
+        net = ContextNet(self.spec, parameters.context or float_weights(self.networks))
         own = {name: a for name, a in parameters.trained().items() if name not in net.leaves}
         leaves = {name: torch.from_numpy(array).requires_grad_() for name, array in own.items()} | net.leaves
         values = coded_values({group.name: leaves[group.name] for group in self.spec.groups}, torch)
@@ -75,7 +83,7 @@ class AutogradStep:
             self._opponent,
             torch,
         )
-        side = net.hash_bits() + net.difference_bits() + net.weight_bits()
+        side = net.hash_bits() + net.weight_bits()
         if priced:
             unit = 2.0**parameters.seeds.decoder_shift
             side = side + sum(bits_by_mean(weights.abs() * unit) for weights in exact.values() if weights.ndim == 2)

@@ -16,9 +16,8 @@ from sgicodec.profiles.paper import paper_spec
 
 SPECS = {
     "default": default_spec(3),
-    "own context": default_spec(1, prior=0),
     "paper": paper_spec(3),
-    "default at its largest": default_spec(64, prior=0),
+    "default at its largest": default_spec(64),
     "paper at its largest": paper_spec(64, 64, 512),
     "paper at its smallest": paper_spec(1, 1, 1),
 }

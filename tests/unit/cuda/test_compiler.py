@@ -13,7 +13,7 @@ from sgicodec.cuda.compiler import ARCHITECTURES, Compiler, Resources, compiled
 from sgicodec.errors import MissingExtraError, SgiError
 
 REGISTERS, TILE_REGISTERS, SHARED, SPILLED = 168, 96, 24 << 10, {"absolute_error_4": 24}
-MORE_REGISTERS = {"descend_networks": 192}
+MORE_REGISTERS: dict[str, int] = {}
 """Bounds. A multiprocessor of sm_75, the least, has 65,536 registers and 64 kB of shared memory. Registers are enough
 for five blocks of the tile kernels (128 threads) and for six of the others that take most (64 threads); memory for two
 blocks of the kernel that takes most of it, and, at 15 kB, for four of the tile kernels of three channels. All but one

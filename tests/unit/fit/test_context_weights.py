@@ -1,53 +1,27 @@
-"""The weights of MLP_p: floats that train, and the integers that a stream holds."""
+"""The weights of MLP_p: floats of a fit, and the integers that a stream holds."""
 
 import numpy as np
-import pytest
 
-from sgicodec.fit.context_weights import WEIGHT_SHIFT, ContextWeights
-from sgicodec.model.network import DIFFERENCE_SHIFT, IntNetwork
-from sgicodec.model.spec import ModelSpec
+from sgicodec.bitstream.parts.prior import load_prior
+from sgicodec.fit.context_weights import FINER, WEIGHT_SHIFT, ContextWeights, float_weights
 from sgicodec.profiles.default import default_spec
 from sgicodec.profiles.paper import paper_spec
 
-specs = pytest.mark.parametrize("spec", [default_spec(3, prior=0), paper_spec(1, 2, 6)], ids=["default", "paper"])
 
-UNIT = 2.0**-WEIGHT_SHIFT
-SIZES = (30, 50)
-
-
-def weights_of(spec: ModelSpec) -> ContextWeights:
-    return ContextWeights(spec, SIZES, np.random.default_rng(1))
-
-
-def assert_same(found: tuple[IntNetwork, ...], expected: tuple[IntNetwork, ...]) -> None:
-    assert len(found) == len(expected)
-    for one, other in zip(found, expected, strict=True):
-        for a, b in zip(one.arrays, other.arrays, strict=True):
-            np.testing.assert_array_equal(a, b)
-
-
-@specs
-def test_frozen_weights_are_those_of_the_stream(spec: ModelSpec) -> None:
-    weights = weights_of(spec)
-    before, networks = weights.first.copy(), weights.integers()
+def test_weights_that_train_become_the_nearest_integers() -> None:
+    weights = ContextWeights(paper_spec(1, 2, 6), (30, 50), np.random.default_rng(1))
+    network = weights.integers()
     assert set(weights.trained()) == {f"context.{name}" for name in ("first", "rest", "tables")}
-    weights.freeze()
-    assert weights.trained() == {}
-    assert 0 < np.abs(weights.first - before).max() <= 0.5 * UNIT
-    assert_same(weights.integers(), networks)
+    flat = np.concatenate([array.reshape(-1) for array in network.arrays]) * 2.0**-WEIGHT_SHIFT
+    off = np.abs(flat - np.concatenate([weights.first, weights.rest]))
+    assert 0 < off.max() <= 0.5 * 2.0**-WEIGHT_SHIFT
 
 
-@specs
-def test_differences_are_added_in_their_own_unit(spec: ModelSpec) -> None:
-    networks = weights_of(spec).integers()
-    weights = weights_of(spec)
-    weights.adapt(networks)
-    assert_same(weights.integers(), networks)
-    assert list(weights.trained()) == ["context.difference"]
-    weights.trained()["context.difference"][:] = 2.2 * 2.0**-DIFFERENCE_SHIFT
-    for changed, network in zip(weights.integers(), networks, strict=True):
-        more = 2 << (network.shift - DIFFERENCE_SHIFT)
-        np.testing.assert_array_equal(changed.w1, network.w1)
-        np.testing.assert_array_equal(changed.b1, network.b1 + more)
-        np.testing.assert_array_equal(changed.w2, network.w2 + more)
-        np.testing.assert_array_equal(changed.b2, network.b2 + more)
+def test_a_fit_sees_the_shipped_weights_with_finer_steps() -> None:
+    networks = load_prior(default_spec(3))
+    (first, rest), (_, exact) = float_weights(networks), float_weights(networks, 0.0)
+    assert first.size == sum(network.w1.size for network in networks)
+    refined = np.flatnonzero(rest != exact)
+    np.testing.assert_allclose((exact - rest)[refined], FINER, rtol=1e-6)
+    ends = np.cumsum([network.b1.size + network.w2.size + network.b2.size for network in networks])
+    assert refined.tolist() == (ends - 1).tolist()

@@ -30,7 +30,7 @@ def trainer_of(device: Device, steps: int = 60, weighted: bool = False, size: tu
     target = rng.normal(0, 0.1, (3, height, width)).astype(np.float32)
     target += np.linspace(-0.3, 0.3, width, dtype=np.float32)
     weights = rng.uniform(0.2, 2, (height, width)).astype(np.float32) if weighted else None
-    spec, layout = default_spec(3, prior=3), adaptive_layout(target, 0.5)
+    spec, layout = default_spec(3), adaptive_layout(target, 0.5)
     networks = load_prior(spec)
     return Trainer(spec, default_settings(0.004, steps), target, layout, 1, networks, device=device, weights=weights)
 

@@ -120,7 +120,7 @@ def test_a_fit_is_on_the_gpu_that_was_asked_for(monkeypatch: pytest.MonkeyPatch)
     """But for five channels, which its kernels do not have."""
     settings, device = paper_settings(LMBDA, 3, 500), only_gpu(monkeypatch)
     for spec, expected in ((SPEC, DeviceFeatureStep), (paper_spec(5), FeatureStep)):
-        assert type(gradient_step_of(spec, settings, NativeRasterizer(device), (9, 9), 0, device)) is expected
+        assert type(gradient_step_of(spec, settings, None, NativeRasterizer(device), (9, 9), 0, device)) is expected
 
 
 def equal(found: StepResult, expected: StepResult) -> None:

@@ -9,16 +9,19 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import torch
+from numpy.typing import NDArray
+from random_fit import random_networks
 
 from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
 from sgicodec.bitstream.entropy.tables import SCALES, frequency_tables
 from sgicodec.bitstream.header import Header
 from sgicodec.bitstream.parts.attributes import quantise_attributes, write_attributes
-from sgicodec.fit.context_weights import ContextWeights
+from sgicodec.fit.context_weights import ContextWeights, float_weights
 from sgicodec.fit.noise import NoiseKey
 from sgicodec.fit.step_sizes import flat_steps
 from sgicodec.model.context import HashGrid
 from sgicodec.model.layout import adaptive_layout, uniform_layout
+from sgicodec.model.network import IntNetwork
 from sgicodec.model.quantization import PER_OCTAVE, SCALE_ZERO
 from sgicodec.model.spec import ModelSpec
 from sgicodec.model.steps import default_plan
@@ -34,9 +37,9 @@ QUALITY, FAMILY = 62, 1
 SPREAD = {"colour": 0.2, "shape": 0.6, "offset": 0.4, "feature": 2.0, "scales": 2.0}
 """Of values of a plausible size."""
 SPECS = {
-    "default": default_spec(3, prior=0),
-    "gray": default_spec(1, prior=0),
-    "four channels": default_spec(4, prior=0),
+    "default": default_spec(3),
+    "gray": default_spec(1),
+    "four channels": default_spec(4),
     "paper": paper_spec(3, per_seed=2, features=6),
 }
 
@@ -64,6 +67,19 @@ def test_bits_between_symbols_are_those_of_the_distribution(step: float, scale: 
         np.testing.assert_allclose(bits(deviation, q, s), -torch.log2(mass), rtol=1e-6)
 
 
+def context_of(
+    spec: ModelSpec, sizes: tuple[int, ...]
+) -> tuple[tuple[IntNetwork, ...], list[NDArray[np.int64]], ContextNet]:
+    """Random networks, signs of a hash grid, and both in floats."""
+    rng = np.random.default_rng(0)
+    networks = random_networks(spec, rng, w2_size=0.1, b2_size=0.0)
+    if not sizes:
+        return networks, [], ContextNet(spec, float_weights(networks, 0.0))
+    weights = ContextWeights(spec, sizes, rng)
+    weights.first, weights.rest = float_weights(networks, 0.0)
+    return networks, weights.signs(), ContextNet(spec, weights)
+
+
 @pytest.mark.parametrize("spec", SPECS.values(), ids=SPECS)
 def test_the_fit_counts_the_bits_that_are_written(spec: ModelSpec) -> None:
     """Of random values and networks: what MLP_p sees as floats in a fit, and as integers in coding. With steps that
@@ -76,12 +92,9 @@ def test_the_fit_counts_the_bits_that_are_written(spec: ModelSpec) -> None:
     values = {g.name: rng.normal(size=(len(layout), g.size)) * SPREAD[g.name] for g in spec.groups}
     if spec.context.hash_resolutions:
         sizes = HashGrid.at(spec.context, layout, width, height).sizes
-    weights, plan = ContextWeights(spec, sizes, np.random.default_rng(0)), default_plan(spec, QUALITY)
-    networks = weights.integers(8)
-    weights.load(networks)
-
+    plan, networks, signs, net = default_plan(spec, QUALITY), *context_of(spec, sizes)
     header = Header(*SIZE, "multi", "uint8", (0.0, 255.0), "default", replace(spec, luma_space=False), QUALITY, FAMILY)
-    quantised = quantise_attributes(header, layout, plan, networks, weights.signs() if sizes else [], values)
+    quantised = quantise_attributes(header, layout, plan, networks, signs, values)
     writer = SymbolWriter()
     write_attributes(writer, quantised)
     written = sum(writer.bits[group.name] for group in spec.groups)
@@ -91,5 +104,5 @@ def test_the_fit_counts_the_bits_that_are_written(spec: ModelSpec) -> None:
     proxy = QuantizationProxy(spec, FAMILY)
     proxy.set_layout(layout, QUALITY, *SIZE)
     steps = torch.from_numpy(flat_steps(spec, plan))
-    sample = proxy.sample(rounded, ContextNet(weights), steps, "round", NoiseKey(0, False))
+    sample = proxy.sample(rounded, net, steps, "round", NoiseKey(0, False))
     assert float(sample.bits.detach().sum()) == pytest.approx(written, rel=0.02)

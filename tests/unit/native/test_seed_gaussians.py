@@ -73,18 +73,18 @@ def seeds(draw: st.DrawFn) -> Seeds:
 
 def native(isa: str, s: Seeds) -> tuple[tuple[F32, F32, F32], tuple[F32, F32, F32]]:
     """Means, covariances and colours; gradients of colour, shape and offset. No network runs."""
-    step = _native.SeedFit(isa, 1, HIDDEN, np.array(colour_matrix(3), np.float32))
-    step.set_layout(s.half_pixels, s.log_size, np.full((COUNT, 1), -1, np.int32), 0)
     inputs = [input_count(SPEC, step) for step in range(3)]
     outputs = [2 * predicted + 1 for predicted in (3, 3, 2)]
     first = np.zeros(HIDDEN * sum(inputs), np.float32)
     rest = np.zeros(sum(HIDDEN * (1 + count) + count for count in outputs), np.float32)
+    step = _native.SeedFit(isa, 1, HIDDEN, np.array(colour_matrix(3), np.float32), first, rest)
+    step.set_layout(s.half_pixels, s.log_size, np.full((COUNT, 1), -1, np.int32), 0)
     steps = np.zeros(8 * _native.LEVELS + 2, np.float32)
     gaussians = np.empty((COUNT, 2), np.float32), np.empty((COUNT, 3), np.float32), np.empty((COUNT, 3), np.float32)
     values = s.colour, s.shape, s.offset
-    step.forward(*values, first, rest, steps, 0, 0, False, 0, False, *gaussians)
+    step.forward(*values, steps, 0, 0, False, 0, *gaussians)
     gradients = np.empty_like(s.colour), np.empty_like(s.shape), np.empty_like(s.offset)
-    step.backward(*s.up, 0.0, *gradients, np.empty(step.sums, np.float32))
+    step.backward(*s.up, 0.0, *gradients, np.empty_like(steps))
     return gaussians, gradients
 
 

@@ -37,7 +37,7 @@ def test_what_is_left_is_what_the_stream_leaves(channels: int) -> None:
     [
         (default_spec(3), True),
         (default_spec(1), True),
-        (default_spec(64, prior=0), True),
+        (default_spec(64), True),
         (paper_spec(3), False),
     ],
 )

@@ -19,7 +19,7 @@ from sgicodec.model.steps import StepPlan, default_plan
 from sgicodec.profiles.default import default_spec
 
 CHANNELS = 32
-SPEC = replace(default_spec(CHANNELS, prior=0), luma_space=False)
+SPEC = replace(default_spec(CHANNELS), luma_space=False)
 
 
 def shape_steps(colours: list[list[int]], base: int) -> np.ndarray:

@@ -126,13 +126,7 @@ def skip_to_attributes(reader: SymbolReader, header: Header) -> None:
         reader.read_weights(math.prod(weights))
     if counts := hash_counts(spec, header.width, header.height):
         reader.read_signs(counts)
-    if spec.context.prior:
-        changed = reader.read_bits(1, 1)[0]
-        for network in load_prior(spec) if changed else ():
-            for part in (network.b1, network.w2, network.b2):
-                reader.read_weights(part.size)
-        return
-    for step in range(len(spec.context.steps)):
+    for step in range(len(spec.context.steps) if not spec.context.prior else 0):
         reader.read_bits(5, 1)
         for weights in network_shapes(spec, step).values():
             reader.read_weights(math.prod(weights))
