@@ -39,21 +39,20 @@ void set_layout(sgi::SeedFit &self, Array<const int32_t, 2> half_pixels, Array<c
 }
 
 double forward(sgi::SeedFit &self, In2 colour, In2 shape, In2 offset, In1 steps, int rounding, uint32_t key,
-               bool negative, int reuse, Out2 means, Out2 covariances, Out2 colours) {
+               bool negative, bool predicts, Out2 means, Out2 covariances, Out2 colours) {
   const sgi::SeedState &s = self.state();
   require_rows(colour, s.count, s.group_size(0), "colour must be [N, C]");
   require_rows(shape, s.count, s.group_size(1), "shape must be [N, 3]");
   require_rows(offset, s.count, s.group_size(2), "offset must be [N, 2]");
   require(int64_t(steps.shape(0)) == sgi::kSteps, "steps holds base steps and gamma");
   require(rounding >= 0 && rounding <= 2, "rounding is 0, 1 or 2");
-  require(reuse >= 0 && reuse <= 2, "reuse is 0, 1 or 2");
   require_rows(means, s.count, 2, "means must be [N, 2]");
   require_rows(covariances, s.count, 3, "covariances must be [N, 3]");
   require_rows(colours, s.count, s.channels, "colours must be [N, C]");
   const sgi::SeedGaussians out{means.data(), covariances.data(), colours.data()};
   nb::gil_scoped_release release;
   return self.forward({colour.data(), shape.data(), offset.data()}, steps.data(), sgi::Rounding(rounding),
-                      {key, negative}, sgi::Reuse(reuse), out);
+                      {key, negative}, predicts, out);
 }
 
 void backward(sgi::SeedFit &self, In2 means, In2 covariances, In2 colours, float lmbda, Out2 colour, Out2 shape,
@@ -160,7 +159,7 @@ void bind_fit(nb::module_ &m) {
           "isa"_a, "threads"_a, "hidden"_a, "opponent"_a, "first"_a, "rest"_a)
       .def("set_layout", &set_layout, "half_pixels"_a, "log_size"_a, "neighbour"_a, "quality"_a)
       .def("forward", &forward, "colour"_a, "shape"_a, "offset"_a, "steps"_a, "rounding"_a, "key"_a, "negative"_a,
-           "reuse"_a, "means"_a, "covariances"_a, "colours"_a)
+           "predicts"_a, "means"_a, "covariances"_a, "colours"_a)
       .def("backward", &backward, "means"_a, "covariances"_a, "colours"_a, "lmbda"_a, "colour"_a, "shape"_a, "offset"_a,
            "steps"_a);
   nb::class_<sgi::FeatureFit>(m, "FeatureFit")

@@ -62,19 +62,19 @@ void SeedFit::over_runs(const Body &body) {
 }
 
 double SeedFit::forward(const std::array<const float *, kGroups> &values, const float *steps, Rounding rounding,
-                        NoiseKey key, Reuse reuse, const SeedGaussians &out) {
+                        NoiseKey key, bool predicts, const SeedGaussians &out) {
   SeedState &s = state_;
   std::copy_n(values.data(), kGroups, s.value);
   s.set_steps(steps);
   s.rounding = rounding;
   s.key = key.key;
   s.mirror = key.mirror();
-  s.predicts = rounding != Rounding::kNone && reuse != Reuse::kPredictions;
-  const bool refresh = s.predicts && reuse == Reuse::kNothing;
-  if (refresh) over_runs([&](int64_t, int64_t begin, int64_t end, float *m) { kernel_.summarize(s, begin, end, m); });
+  s.predicts = rounding != Rounding::kNone && predicts;
+  if (s.predicts)
+    over_runs([&](int64_t, int64_t begin, int64_t end, float *m) { kernel_.summarize(s, begin, end, m); });
   std::vector<double> bits((s.count + kRun - 1) / kRun);
   over_runs([&](int64_t run, int64_t begin, int64_t end, float *m) {
-    if (refresh) {
+    if (s.predicts) {
       kernel_.gather(s, begin, end, m);
       kernel_.multiply(s, begin, end, m);
     }

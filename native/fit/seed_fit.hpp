@@ -10,9 +10,6 @@
 
 namespace sgi {
 
-// What a step takes over from those before it: nothing, inputs from neighbours, or all that MLP_p predicts.
-enum class Reuse : int { kNothing, kInputs, kPredictions };
-
 class SeedFit {
  public:
   // first: W1 of all groups; rest: b1, W2 and b2 of all groups; opponent [channels, channels].
@@ -20,9 +17,10 @@ class SeedFit {
 
   // n seeds and the nearest of each [n, neighbours], negative for none.
   void set_layout(const SeedsView &seeds, int64_t n, const int32_t *neighbour, int neighbours, int quality);
-  // Bits of all seeds; 0 without rounding. steps [kSteps]: base steps, then γ.
+  // Bits of all seeds; 0 without rounding. steps [kSteps]: base steps, then γ. predicts: whether MLP_p runs; otherwise
+  // what it said last stands.
   double forward(const std::array<const float *, kGroups> &values, const float *steps, Rounding rounding, NoiseKey key,
-                 Reuse reuse, const SeedGaussians &out);
+                 bool predicts, const SeedGaussians &out);
   // After `forward` on the same arrays. `slopes` [kSteps] receives the gradients of the steps, 0 without rounding.
   void backward(const SeedGradients &gradients, float *slopes);
 

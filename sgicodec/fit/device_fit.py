@@ -14,7 +14,7 @@ from sgicodec.fit.adam import Adam
 from sgicodec.fit.context_weights import float_weights
 from sgicodec.fit.device_seeds import energy_of, moved, residual_sums
 from sgicodec.fit.device_step import DeviceStep, StepKind
-from sgicodec.fit.fused_step import REFRESH, ROUNDINGS, FusedStep, reuse_of
+from sgicodec.fit.fused_step import REFRESH, ROUNDINGS, FusedStep
 from sgicodec.fit.noise import NoiseKey
 from sgicodec.fit.parameters import Parameters
 from sgicodec.fit.pyramid import Level
@@ -110,12 +110,12 @@ class DeviceFit:
     ) -> tuple[float, float]:
         """Step `number`: squared error without weights, and bits; everything has moved at its learning rate."""
         self.gpu.use()
-        key, reuse = NoiseKey.of(self.seed, number), reuse_of(self.age, rounding)
+        key, predicts = NoiseKey.of(self.seed, number), rounding != "none" and self.age == 0
         self.age = (self.age + 1) % REFRESH if rounding != "none" else 0
         moved = [name for name in self._arrays() if rounding != "none" or name in self.parameters.seeds.values]
         corrected = [self.adam.corrections(name, rates[name]) for name in moved]
         numbers = self._held.numbers(key, lmbda, self.adam, corrected)
-        kind = StepKind(ROUNDINGS[rounding], reuse, tuple(moved))
+        kind = StepKind(ROUNDINGS[rounding], predicts, tuple(moved))
         return self._held.run(kind, level.scale, self._level(level), numbers)
 
     @property

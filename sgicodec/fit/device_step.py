@@ -16,7 +16,6 @@ from sgicodec.cuda.tiles import CudaView, TilePasses
 from sgicodec.fit.adam import Adam
 from sgicodec.fit.context_weights import layer_shapes
 from sgicodec.fit.device_seeds import Trained
-from sgicodec.fit.fused_step import Reuse
 from sgicodec.fit.noise import NoiseKey
 from sgicodec.fit.step_sizes import base_counts, gamma_names
 from sgicodec.model.context import LEVELS, SUMMARY
@@ -36,10 +35,10 @@ MAX_CHUNKS = 512
 
 
 class StepKind(NamedTuple):
-    """What makes two steps launch the same: rounding, what is taken over, what moves."""
+    """What makes two steps launch the same: rounding, whether MLP_p runs, what moves."""
 
     rounding: int
-    reuse: Reuse
+    predicts: bool
     moved: tuple[str, ...]
 
 
@@ -105,7 +104,7 @@ class DeviceStep:
 
     def exact_gaussians(self) -> tuple[GpuArray, GpuArray]:
         """Covariances and colours of the values as they are."""
-        given = self._arguments(StepKind(0, Reuse.NOTHING, ()))
+        given = self._arguments(StepKind(0, False, ()))
         given.decoded = self._address("slopes")  # nobody reads it any more
         self.gpu.launch("forward_seeds", -(-self.count // SEED_THREADS), SEED_THREADS, given)
         return self._held["covariances"], self._held["colours"]
@@ -167,7 +166,7 @@ class DeviceStep:
     def _launch(self, kind: StepKind, passes: TilePasses) -> None:
         """All kernels of a step, in their order."""
         given, seeds = self._arguments(kind, passes), -(-self.count // SEED_THREADS)
-        if given.predicts and kind.reuse is Reuse.NOTHING:
+        if kind.predicts:
             for kernel in ("summarize_seeds", "gather_inputs", "multiply_inputs"):
                 self.gpu.launch(kernel, seeds, SEED_THREADS, given)
         self.gpu.launch("forward_seeds", seeds, SEED_THREADS, given)
@@ -193,12 +192,13 @@ class DeviceStep:
         self.gpu.launch("move_arrays", -(-total // MOVE_THREADS), MOVE_THREADS, adam)
 
     def _arguments(self, kind: StepKind, passes: TilePasses | None = None) -> ctypes.Structure:
-        predicts = kind.rounding != 0 and kind.reuse is not Reuse.PREDICTIONS
         fields: dict[str, Any] = {name: array.address for name, array in self._held.items()}
         if passes is not None:
             fields |= {"tiles": passes.view.tiles, "capacity": passes.capacity, "errors": passes.errors.address}
             fields["pairs"] = passes.slot_start.address + 4 * passes.gaussians
-        return structures()["FitArguments"](**self._fixed, **fields, rounding=kind.rounding, predicts=int(predicts))
+        return structures()["FitArguments"](
+            **self._fixed, **fields, rounding=kind.rounding, predicts=int(kind.predicts)
+        )
 
     def _passes_of(self, scale: float, level: dict[str, GpuArray]) -> TilePasses:
         if scale not in self._passes:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from enum import Enum
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,7 +21,7 @@ from sgicodec.model.spec import ModelSpec
 from sgicodec.profiles.fit_settings import Rounding
 from sgicodec.raster.backend import Backend
 
-__all__ = ["REFRESH", "ROUNDINGS", "FusedStep", "Reuse", "reuse_of"]
+__all__ = ["REFRESH", "ROUNDINGS", "FusedStep"]
 
 F32 = NDArray[np.float32]
 
@@ -30,30 +29,16 @@ ROUNDINGS: dict[Rounding, int] = {"none": 0, "noise": 1, "round": 2}
 _GROUPS = ("colour", "shape", "offset")
 _FLOOR = np.array([MIN_VARIANCE, 0.0, MIN_VARIANCE], np.float32)
 
-REFRESH, PREDICT = 8, 4
-"""How many steps inputs from neighbours stand, and predictions under noise (docs/notes/2026-11-fit-settings.md)."""
-
-
-class Reuse(Enum):
-    """What a step takes over from those before it: nothing, inputs from neighbours, or all that MLP_p predicts."""
-
-    NOTHING, INPUTS, PREDICTIONS = range(3)
-
-
-def reuse_of(age: int, rounding: Rounding) -> Reuse:
-    """What the step takes over, `age` steps after inputs from neighbours were found."""
-    if age == 0 or rounding == "none":
-        return Reuse.NOTHING
-    return Reuse.PREDICTIONS if rounding == "noise" and age % PREDICT else Reuse.INPUTS
+REFRESH = 8
+"""How many steps stand what neighbours tell and what MLP_p predicts (docs/notes/2026-11-fit-settings.md)."""
 
 
 class FusedStep:
     """A `GradientStep` for squared error and Laplacian bits, for the models that `can_run` names.
 
     networks: MLP_p of each coding stage, which does not train. Noise is a hash of (its key, column, seed), so that a
-    step does not depend on the number of threads. Inputs from neighbours are found again every `REFRESH` steps: they
-    move slowly, and all seeds can then be evaluated at once although coding visits them pass by pass. Under noise,
-    MLP_p runs every `PREDICT` steps: in between, its last outputs stand.
+    step does not depend on the number of threads. MLP_p runs every `REFRESH` steps, from what neighbours are then: they
+    move slowly, and all seeds can be evaluated at once although coding visits them pass by pass.
     """
 
     def __init__(
@@ -82,8 +67,7 @@ class FusedStep:
         colour, shape, offset = (parameters.seeds.values[name] for name in _GROUPS)
         noise, steps = NoiseKey.of(self.seed, number), parameters.steps
         gaussians = empty_gaussians(self.count, self.spec.channels)
-        reuse = reuse_of(self.age, rounding)
-        how = ROUNDINGS[rounding], noise.key, noise.negative, reuse.value
+        how = ROUNDINGS[rounding], noise.key, noise.negative, self.age == 0
         bits = self.native.forward(colour, shape, offset, steps, *how, *gaussians)
         self.age = (self.age + 1) % REFRESH if rounding != "none" else 0
         error, slopes = self._draw(gaussians, level)

@@ -82,7 +82,7 @@ def native(isa: str, s: Seeds) -> tuple[tuple[F32, F32, F32], tuple[F32, F32, F3
     steps = np.zeros(8 * _native.LEVELS + 2, np.float32)
     gaussians = np.empty((COUNT, 2), np.float32), np.empty((COUNT, 3), np.float32), np.empty((COUNT, 3), np.float32)
     values = s.colour, s.shape, s.offset
-    step.forward(*values, steps, 0, 0, False, 0, *gaussians)
+    step.forward(*values, steps, 0, 0, False, False, *gaussians)
     gradients = np.empty_like(s.colour), np.empty_like(s.shape), np.empty_like(s.offset)
     step.backward(*s.up, 0.0, *gradients, np.empty_like(steps))
     return gaussians, gradients
