@@ -10,8 +10,8 @@ last part of the training it computes in the integers of its file.
 
 For the eye, the loss is in logarithms of bytes: what SSIMULACRA 2 lacks, by the slope of each picture's own curve, and
 a share of the logarithm of the squared error. Crops are large, for SSIMULACRA 2 scores small ones differently. The
-network that is shipped for the eye learned from Butteraugli as well (docs/notes/2026-11-restoration.md); commit
-6df7d7c1 is the last that has its gradient.
+network that is shipped for the eye began with Butteraugli as well (docs/notes/2026-11-restoration.md); commit 6df7d7c1
+is the last that has its gradient.
 """
 
 from __future__ import annotations
@@ -76,7 +76,7 @@ class Training:
 
 TRAININGS: dict[Tune, Training] = {
     "psnr": Training((30, 42, 54, 66), 2, 64, 16, 2e-3, 0.3),
-    "visual": Training((45, 57, 70, 83), 3, 256, 2, 1e-3, 0.1, 0.5),
+    "visual": Training((45, 57, 70, 83), 4, 256, 2, 1e-3, 0.1, 0.5),
 }
 
 

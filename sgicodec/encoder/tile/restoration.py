@@ -42,13 +42,12 @@ class Strength:
 @dataclass(frozen=True)
 class Restorer:
     """For layers of one picture. unit [C, H, W]: what is to be shown; empty [H, W]: pixels that count nothing, None for
-    none; network: as in `Restoration`; stronger, worth: as in `TextureTuning`.
+    none; network: as in `Restoration`; worth: as in `TextureTuning`.
     """
 
     unit: F32
     empty: NDArray[np.bool_] | None
     network: int | bytes
-    stronger: int
     worth: float
     device: Device
 
@@ -72,8 +71,7 @@ class Restorer:
                 left[:, self.empty[rows[counted]]] = 0
             return float(np.square(left).sum(dtype=np.float64))
 
-        least = _least([error(Strength(self.network, offset)) for offset in _OFFSETS])
-        strength = Strength(self.network, least + self.stronger)
+        strength = Strength(self.network, _least([error(Strength(self.network, offset)) for offset in _OFFSETS]))
         bits = _BITS * counted.sum() / self.unit.shape[1]
         return strength if error(strength) + bits * lmbda < self.worth * error(None) else None
 

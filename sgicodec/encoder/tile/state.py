@@ -139,7 +139,7 @@ class Tile:
         """What finds how to restore the tile."""
         tuning = self.tuning
         network = self.header.network or tuning.network
-        return Restorer(self.unit, self.empty, network, tuning.stronger, tuning.worth, self.device)
+        return Restorer(self.unit, self.empty, network, tuning.worth, self.device)
 
 
 def tile_of(

@@ -49,8 +49,6 @@ class TextureTuning:
     worth: float
     """Share of squared error up to which a restored tile is worth the third to half of its decode that restoration
     takes (docs/notes/2026-11-restoration.md)."""
-    stronger: int = 0
-    """How far above the step of least squared error restoration does best, in 32nds of an octave."""
     finer: int = 0
     """32nds of an octave by which the lowest frequency has a smaller step than λ says."""
     growth: tuple[float, float] = (0.0, 0.0)
@@ -96,7 +94,6 @@ TUNINGS = {
         0.0927,
         network=2,
         worth=0.995,
-        stronger=4,
         finer=45,
         growth=(1.5, 2.0),
         colours=7 / 8,
@@ -105,7 +102,7 @@ TUNINGS = {
     ),
 }
 """By what an encode is tuned for. `finer`, `growth`, _EQUAL_STEPS: docs/notes/2026-11-equal-losses.md; `masking`:
-2026-11-texture-visual.md; `larger`: 2026-11-luma-space.md; `worth`, `stronger`: 2026-11-restoration.md."""
+2026-11-texture-visual.md; `larger`: 2026-11-luma-space.md; `worth`: 2026-11-restoration.md."""
 
 
 _FLOOR, _USUAL = 7.7e-4, 3.9e-3
