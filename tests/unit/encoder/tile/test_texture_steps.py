@@ -59,13 +59,13 @@ def test_a_score_is_met(rocks: Picture, monkeypatch: pytest.MonkeyPatch) -> None
         assert ssimulacra2(to_rgb8(rocks), to_rgb8(stream.picture())) == pytest.approx(55, abs=1)
 
 
-def test_tuned_for_the_eye_the_score_is_better_at_equal_bytes(rocks: Picture) -> None:
-    scores = {}
+def test_tuned_for_the_eye_the_score_is_better_at_equal_bytes() -> None:
+    picture, scores = crop("kodim13", np.s_[20:276, 100:484]), {}
     for tune in ("psnr", "visual"):
-        data = encode_picture(rocks, EncodeSettings(bpp=0.8, steps=120, tune=tune)).data  # type: ignore[arg-type]
+        data = encode_picture(picture, EncodeSettings(bpp=0.8, steps=120, tune=tune)).data  # type: ignore[arg-type]
         with open_stream(data) as stream:
-            scores[tune] = ssimulacra2(to_rgb8(rocks), to_rgb8(stream.picture()))
-    assert scores["visual"] > scores["psnr"] + 5
+            scores[tune] = ssimulacra2(to_rgb8(picture), to_rgb8(stream.picture()))
+    assert scores["visual"] > scores["psnr"] + 15
 
 
 def test_a_tile_that_is_too_large_has_none() -> None:
