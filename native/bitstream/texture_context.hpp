@@ -19,6 +19,7 @@ namespace texture_models {
 
 constexpr uint32_t kKinds = 3;  // of channels: the first, the second, all others
 constexpr uint32_t kLevelsOf = 16, kZones = 16, kNodes = 64, kExtents = 8;
+constexpr uint32_t kAheads = 8, kNexts = 4;   // binary digits of a distance to the last diagonal; near magnitudes
 constexpr uint32_t kPlaces = 64 + 256 + 256;  // of frequencies of all sizes; those of 32 in pairs
 constexpr uint32_t kSizes = kTextureSizes;
 
@@ -26,7 +27,7 @@ constexpr uint32_t kSizes = kTextureSizes;
 constexpr uint32_t kPlaceModels = 0;
 constexpr uint32_t kAroundModels = kPlaceModels + kKinds * kPlaces * kMagnitudeBits;
 constexpr uint32_t kRestModels = kAroundModels + kKinds * kLevelsOf * kLevelsOf * kMagnitudeBits;
-constexpr uint32_t kTotalModels = kRestModels + kKinds * kZones * kZones * kMagnitudeBits;
+constexpr uint32_t kTotalModels = kRestModels + kKinds * kZones * kNexts * kAheads * kMagnitudeBits;
 constexpr uint32_t kExtentModels = kTotalModels + kKinds * kSizes * kLevelsOf * kZones * kMagnitudeBits;
 constexpr uint32_t kCellModels = kExtentModels + kKinds * kSizes * (2 * kExtents + 1) * kNodes;
 constexpr uint32_t kLogs = kTextureRoot + 2;  // of what lies around a cell: none, of a size, or nothing known
@@ -34,7 +35,7 @@ constexpr uint32_t kContrastModels = kCellModels + 2 * kSizes * (kLogs * kLogs +
 constexpr uint32_t kModels = kContrastModels + kContrastLimit * 2 + 2;
 
 constexpr uint32_t kSizeWeights = 0;
-constexpr uint32_t kLevelWeights = kSizeWeights + kKinds * kSizes * kMagnitudeBits;
+constexpr uint32_t kLevelWeights = kSizeWeights + kKinds * kSizes * kAheads * kMagnitudeBits;
 constexpr uint32_t kExtentWeights = kLevelWeights + kKinds * kLevelsOf * kMagnitudeBits;
 constexpr uint32_t kCellWeights = kExtentWeights + 2 * kKinds * kSizes;
 constexpr uint32_t kContrastWeights = kCellWeights + 4 * kSizes;
@@ -162,7 +163,8 @@ class SymbolContext {
 inline SymbolPlace SymbolContext::place(const Frequency &at) const {
   using namespace texture_models;
   const int index = at.index, half = log_ == kTextureRoot, across = std::min(log_, 4);
-  const auto kind = uint32_t(kind_), zone = uint32_t(std::min(15, at.diagonal() >> (log_ - kTextureLeast)));
+  const auto zone_of = [&](int diagonal) { return uint32_t(std::min(15, diagonal >> (log_ - kTextureLeast))); };
+  const auto kind = uint32_t(kind_), zone = zone_of(at.diagonal());
   const uint32_t place = (log_ == 3 ? 0 : log_ == 4 ? 64 : 320) + uint32_t((at.v >> half) << across | at.u >> half);
   const uint32_t sized = kind * kSizes + uint32_t(log_ - kTextureLeast);
   SymbolPlace found;
@@ -171,9 +173,10 @@ inline SymbolPlace SymbolContext::place(const Frequency &at) const {
   found.far_ = uint32_t(bits_of(last_ - at.diagonal()));
   found.models_ = {kPlaceModels + (kind * kPlaces + place) * kMagnitudeBits,
                    kAroundModels + (kind * kLevelsOf + level(around_[index])) * kLevelsOf * kMagnitudeBits,
-                   kRestModels + (kind * kZones + zone) * kZones * kMagnitudeBits,
+                   kRestModels + (kind * kZones + zone_of(last_)) * kNexts * kAheads * kMagnitudeBits,
                    kTotalModels + (sized * kLevelsOf * kZones + zone) * kMagnitudeBits};
-  found.weights_ = {kSizeWeights + sized * kMagnitudeBits, kLevelWeights + kind * kLevelsOf * kMagnitudeBits};
+  found.weights_ = {kSizeWeights + (sized * kAheads + found.far_) * kMagnitudeBits,
+                    kLevelWeights + kind * kLevelsOf * kMagnitudeBits};
   return found;
 }
 
@@ -181,7 +184,7 @@ inline BitContext SymbolPlace::at(const NearMagnitudes &near, QuantizerState sta
   using namespace texture_models;
   const int total = 3 * near.inside + outside_;
   const uint32_t sum = level(has_before_ ? total * 3 / 4 : total);
-  const uint32_t rest = std::min(15u, far_ + 4 * uint32_t(std::min(3, near.next)));
+  const uint32_t rest = kAheads * std::min(kNexts - 1, uint32_t(near.next)) + far_;
   const uint32_t models = state.odd() ? kModels : 0, weights = state.odd() ? kSets : 0;
   return {{models + models_[0], models + models_[1] + level(near.inside) * kMagnitudeBits,
            models + models_[2] + rest * kMagnitudeBits, models + models_[3] + sum * kZones * kMagnitudeBits},

@@ -11,7 +11,7 @@ from reference_decoder import Bits
 
 __all__ = ["Cell", "TextureReader"]
 
-MODELS, SETS = 54668 + 44544, 488 + 456
+MODELS, SETS = 60812 + 50688, 992 + 960
 AFTER = [(0, 1), (3, 2), (5, 4), (6, 7), (1, 0), (2, 3), (4, 5), (7, 6)]
 """The state after an even and an odd symbol."""
 LOGIT = [round(256 * math.log((2 * i + 1) / (8191 - 2 * i))) for i in range(4096)]
@@ -105,8 +105,8 @@ class TextureReader:
         z = cell.side.bit_length() - 4
 
         def flag(t: int) -> int:
-            first = 54336 + 50 * t
-            return self.mixed([first + 7 * left + upper, first + 49], (474 + t, 480 + t))
+            first = 60480 + 50 * t
+            return self.mixed([first + 7 * left + upper, first + 49], (978 + t, 984 + t))
 
         what = flag(z)
         if what and cell.side > 8:
@@ -127,7 +127,7 @@ class TextureReader:
 
     def read_contrast(self, root: Cell) -> None:
         def flag(number: int) -> int:
-            return self.mixed([54636 + number], (486, 487))
+            return self.mixed([60780 + number], (990, 991))
 
         difference = 0
         if flag(0):
@@ -163,7 +163,7 @@ class TextureReader:
         kind, node = 3 * min(channel, 2) + cell.side.bit_length() - 4, 1
         models = [64 * around, 512 + 64 * min(7, beside), 1024]
         for _ in range(cell.side.bit_length()):
-            bit = self.mixed([44544 + 1088 * kind + model + node for model in models], (456 + kind, 465 + kind))
+            bit = self.mixed([50688 + 1088 * kind + model + node for model in models], (960 + kind, 969 + kind))
             node = 2 * node + bit
         return self.bits.note(node - 2 * cell.side)
 
@@ -182,8 +182,8 @@ class TextureReader:
 
     def symbol(self, context: tuple[list[int], tuple[int, int]], odd: int) -> int:
         models, sets = (
-            [model + 54668 * odd for model in context[0]],
-            (context[1][0] + 488 * odd, context[1][1] + 488 * odd),
+            [model + 60812 * odd for model in context[0]],
+            (context[1][0] + 992 * odd, context[1][1] + 992 * odd),
         )
         magnitude = 0
         while magnitude < 8 and self.mixed(models, sets, magnitude):
@@ -215,15 +215,15 @@ class TextureReader:
             before += cross(self.symbols[channel - 1, cell], v, u, False) if channel > 1 else 0
             total = 3 * (total + 2 * min(2**14, before)) // 4
         zone = min(15, 8 * (u + v) // n)
-        near = min(15, (extent - 1 - u - v).bit_length() + 4 * min(3, following))
+        end, ahead = min(15, 8 * (extent - 1) // n), (extent - 1 - u - v).bit_length()
         place = {8: 8 * v + u, 16: 64 + 16 * v + u, 32: 320 + 16 * (v // 2) + u // 2}[n]
         models = [
             8 * (576 * h + place),
             13824 + 8 * (256 * h + 16 * level(outside) + level(inside)),
-            19968 + 8 * (256 * h + 16 * zone + near),
-            26112 + 8 * (256 * (3 * h + z) + 16 * level(total) + zone),
+            19968 + 8 * (512 * h + 32 * end + 8 * min(3, following) + ahead),
+            32256 + 8 * (256 * (3 * h + z) + 16 * level(total) + zone),
         ]
-        return models, (8 * (3 * h + z), 72 + 8 * (16 * h + level(total)))
+        return models, (8 * (8 * (3 * h + z) + ahead), 576 + 8 * (16 * h + level(total)))
 
     def shown(self, leaf: Cell | None, channel: int, n: int, v: int, u: int) -> int:
         if leaf is None:
