@@ -43,6 +43,12 @@ class Case:
         assert layer is not None
         return layer
 
+    def rounded(self, blocks: TextureSymbols) -> NDArray[np.int16]:
+        """The symbols of these blocks that are nearest to what is looked for, whatever they cost."""
+        layer = self.search.at(TUNING.steps(self.step, 3), 0.0, self.offsets, blocks)
+        assert layer is not None
+        return layer.symbols
+
     def ascend(self, passes: int) -> list[float]:
         """Returns the scores of the layers."""
         ascent = ScoreAscent(self.unit, self.luma_space, self.empty, ONE_THREAD, passes)
@@ -90,11 +96,12 @@ def test_pixels_that_count_nothing_move_nothing() -> None:
     half = np.zeros((256, 384), bool)
     half[:, 192:] = True
     case = Case(empty=half)
-    before = case.found()
+    blocks = case.found()
+    before = case.rounded(blocks)
     case.ascend(3)
-    moved = (case.found().symbols != before.symbols).any(axis=0)
-    # models adapt, so that a few symbols change elsewhere too
-    assert moved[:, :192].mean() > 3 * moved[:, 224:].mean()
+    moved = (case.rounded(blocks) != before).any(axis=0)
+    assert moved[:, :192].mean() > 0.02
+    assert not moved[:, 224:].any()
 
 
 @pytest.mark.parametrize("luma_space", [False, True])
