@@ -13,12 +13,10 @@ from sgicodec.cuda.compiler import ARCHITECTURES, Compiler, Resources, compiled
 from sgicodec.errors import MissingExtraError, SgiError
 
 REGISTERS, TILE_REGISTERS, SHARED, SPILLED = 168, 96, 24 << 10, {"absolute_error_4": 24}
-MORE_REGISTERS: dict[str, int] = {}
 """Bounds. A multiprocessor of sm_75, the least, has 65,536 registers and 64 kB of shared memory. Registers are enough
 for five blocks of the tile kernels (128 threads) and for six of the others that take most (64 threads); memory for two
 blocks of the kernel that takes most of it, and, at 15 kB, for four of the tile kernels of three channels. All but one
-spill 16 bytes at most. Without fused products, in which decoders would differ, one takes 184 registers on sm_120, which
-is enough for five blocks.
+spill 16 bytes at most.
 """
 TILES = re.compile(r"(forward|error|absolute_error)_\d")
 
@@ -43,7 +41,7 @@ def names_in_sources() -> set[str]:
 
 
 def most_registers(name: str) -> int:
-    return TILE_REGISTERS if TILES.fullmatch(name) else MORE_REGISTERS.get(name, REGISTERS)
+    return TILE_REGISTERS if TILES.fullmatch(name) else REGISTERS
 
 
 def check(resources: dict[str, Resources]) -> None:
