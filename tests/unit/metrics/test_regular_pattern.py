@@ -69,22 +69,31 @@ def test_numbers_follow_from_spectra(isa: str) -> None:
 
 def most_regular(power: NDArray[np.float64]) -> tuple[float, float, float]:
     """Ratio to what it is compared with, power, and cycles in a window of the pattern that stands out most."""
-    frequencies = [(v, u) for v in range(-11, 12) for u in range(12) if u > 0 or v > 0]
-    at = {(v, u): power[v, u] for v, u in frequencies}
-    best = (0.0, 0.0, 0.0)
-    for v, u in frequencies:
-        radius = np.hypot(v, u)
-        if not 3.9 <= radius <= 9.5:
-            continue
-        own = others = 0.0
-        for (y, x), value in at.items():
-            turned = np.degrees(np.arctan2(y, x) - np.arctan2(v, u))
-            turned = abs((turned + 90) % 180 - 90)
-            if min(np.hypot(y - v, x - u), np.hypot(y + v, x + u)) <= 1.9:
-                own += value
-            elif (np.hypot(y, x) <= radius / 1.4 and turned < 27) or (
-                abs(np.hypot(y, x) - radius) <= 1.5 and turned > 30
-            ):
-                others += value
-        best = max(best, (own / (others + 3), own, radius))
-    return best
+    values = np.array([power[v, u] for v, u in FREQUENCIES])
+    own, others = OWN @ values, OTHERS @ values
+    best = int(np.argmax(own / (others + 3)))
+    return own[best] / (others[best] + 3), own[best], RADII[best]
+
+
+FREQUENCIES = [(v, u) for v in range(-11, 12) for u in range(12) if u > 0 or v > 0]
+PATTERNS = [(v, u) for v, u in FREQUENCIES if 3.9 <= np.hypot(v, u) <= 9.5]
+RADII = [float(np.hypot(v, u)) for v, u in PATTERNS]
+
+
+def is_own(pattern: tuple[int, int], at: tuple[int, int]) -> bool:
+    """Whether a frequency belongs to a pattern's peak."""
+    (v, u), (y, x) = pattern, at
+    return bool(min(np.hypot(y - v, x - u), np.hypot(y + v, x + u)) <= 1.9)
+
+
+def is_compared(pattern: tuple[int, int], at: tuple[int, int]) -> bool:
+    """Whether a pattern's peak is compared with a frequency: an edge would have power there, or noise."""
+    radius, away = np.hypot(*pattern), np.hypot(*at)
+    turned = np.degrees(np.arctan2(*at) - np.arctan2(*pattern))
+    turned = abs((turned + 90) % 180 - 90)
+    in_line, around = away <= radius / 1.4 and turned < 27, abs(away - radius) <= 1.5 and turned > 30
+    return bool(in_line or around) and not is_own(pattern, at)
+
+
+OWN, OTHERS = (np.array([[of(p, at) for at in FREQUENCIES] for p in PATTERNS], float) for of in (is_own, is_compared))
+"""[patterns, frequencies]"""
