@@ -24,7 +24,7 @@ sgi::Bytes shipped(const std::string &kind, int number) {
   if (kind == "prior") return sgi::shipped_prior();
   if (kind == "texture") return sgi::shipped_texture();
   if (kind == "restoration") return sgi::shipped_restoration(number);
-  return kind == "tables" ? sgi::shipped_tables() : sgi::shipped_positions();
+  return sgi::shipped_tables();
 }
 
 nb::list segments(int64_t length, int64_t count, int64_t apron, double start, double scale, int64_t first, int64_t n) {
@@ -50,7 +50,7 @@ void bind_stream_reader(nb::module_ &m) {
   m.attr("SIGNATURE") = nb::bytes(sgi::kSignature, sgi::kSignatureBytes);
   m.def(
       "shipped", [](const std::string &kind, int number) { return as_bytes(shipped(kind, number)); }, "kind"_a,
-      "number"_a, "Tables, positions, prior or texture, or the restoration of this number, empty where there is none.");
+      "number"_a, "Tables, prior or texture, or the restoration of this number, empty where there is none.");
   m.def("tile_segments", &segments, "length"_a, "count"_a, "apron"_a, "start"_a, "scale"_a, "first"_a, "n"_a,
         "First and last pixel, tile and the next one's share, or None, of each run of output pixels along an axis.");
 }

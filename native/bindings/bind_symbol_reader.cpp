@@ -8,7 +8,6 @@
 
 #include "bindings/bindings.hpp"
 #include "bindings/textures.hpp"
-#include "bindings/trees.hpp"
 #include "bitstream/arrays.hpp"
 #include "bitstream/frequency_tables.hpp"
 #include "bitstream/header.hpp"
@@ -104,10 +103,19 @@ auto read_positions(SymbolReader &reader, Size size, int64_t most) {
   return arrays_of(sgi::read_positions(reader, size.first, size.second, most));
 }
 
-auto read_predicted_positions(SymbolReader &reader, Size size, const sgi::BaseLayer &base, int64_t cell, int quality,
-                              int64_t most, int threads, const std::string &isa) {
-  const sgi::TreeScenery scenery = sgi::scenery_of(size, base, cell, quality);
-  return arrays_of(sgi::read_predicted_positions(reader, scenery, most, threads, sgi::choose_isa(isa)));
+auto read_tree(SymbolReader &reader, Size size, int64_t most) {
+  require_size(size);
+  return arrays_of(sgi::read_tree(reader, size.first, size.second, most));
+}
+
+auto write_tree(Size size, const Array<const int32_t, 2> &corner, const Array<const int8_t, 1> &log_size) {
+  require_size(size);
+  require(sgi::has_shape(corner, log_size.shape(0), 2), "corner must be [N, 2], log_size [N]");
+  const sgi::Seeds seeds{{corner.data(), corner.data() + corner.size()},
+                         {log_size.data(), log_size.data() + log_size.size()}};
+  sgi::BitRecorder written = sgi::write_tree(size.first, size.second, seeds);
+  const double content = written.account.total();
+  return std::tuple(flat(std::move(written.bits)), flat(std::move(written.ones)), content);
 }
 
 auto read_texture(SymbolReader &reader, Size size, int channels) {
@@ -133,8 +141,7 @@ void bind_symbol_reader(nb::module_ &m) {
       .def("read_base", &read_base, "channels"_a, "rows"_a, "columns"_a, "Planes [C, rows, columns] of the base layer.")
       .def("read_positions", &read_positions, "size"_a, "most"_a,
            "Corners [N, 2] and log2 of the sides [N] of at most so many seeds of one pixel.")
-      .def("read_predicted_positions", &read_predicted_positions, "size"_a, "base"_a, "cell"_a, "quality"_a, "most"_a,
-           "threads"_a, "isa"_a, "The same of a quadtree whose flags are predicted.")
+      .def("read_tree", &read_tree, "size"_a, "most"_a, "The same of a quadtree.")
       .def("read_texture", &read_texture, "size"_a, "channels"_a,
            "Steps, log_size, contrast and symbols of a tile's texture, None for none.")
       .def(
@@ -146,4 +153,6 @@ void bind_symbol_reader(nb::module_ &m) {
           "ends", [](SymbolReader &reader) { return reader.decoder().maybe_exhausted(); },
           "Whether an encoder may have ended here.")
       .def_prop_ro("bits", &bits_of, "Information content of all symbols.");
+  m.def("write_tree", &write_tree, "size"_a, "corner"_a, "log_size"_a,
+        "The flags of the tree of these seeds as they are coded, their P(1) in 2^-16, information content.");
 }

@@ -21,4 +21,3 @@ void bind_texture(nanobind::module_ &m);
 void bind_residual(nanobind::module_ &m);
 void bind_texture_coding(nanobind::module_ &m);
 void bind_tile(nanobind::module_ &m);
-void bind_tree(nanobind::module_ &m);

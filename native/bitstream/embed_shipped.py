@@ -72,7 +72,6 @@ def source() -> str:
         functions.append(f"Bytes shipped_{function}({parameter}) {{\n{cases}{otherwise}}}\n")
 
     add("tables", "", {0: (BITSTREAM / "entropy" / "tables.bin").read_bytes()}, 4)
-    add("positions", "", {0: numbered("positions")[1]}, 2)
     add("prior", "", {0: numbered("prior")[3]}, 2)
     add("texture", "", {0: zlib.decompress(numbered("texture")[2])})
     add("restoration", "int number", numbered("restoration"))

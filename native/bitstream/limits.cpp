@@ -19,6 +19,7 @@ constexpr int64_t kMaxSigns = 1 << 22;
 // Numbers (kValueBytes each, about) that seeds may take while they are decoded, however short the payload, and how many
 // more for each of its bytes; real seeds take two to ten bytes, and a hundred values each.
 constexpr int64_t kFreeValues = 1 << 25, kValuesPerByte = 128, kValueBytes = 24;
+constexpr int64_t kMaxTreeNodes = 1 << 28;                           // a byte each; those of 800 megapixels
 constexpr int64_t kMaxTextureSamples = 1 << 26, kTextureBytes = 12;  // whole roots counted; each while it is decoded
 
 void limit(int64_t count, int64_t most, const std::string &what) {
@@ -87,6 +88,11 @@ int64_t left_by_base(int64_t values, int64_t memory) {
 
 int64_t left_by_seeds(const ModelSpec &spec, int64_t count, int64_t memory) {
   return memory - kValueBytes * values_per_seed(spec) * count;
+}
+
+void check_tree(int64_t width, int64_t height, int64_t memory) {
+  limit(TreeNodes::memory(width, height), std::min(kMaxTreeNodes, memory),
+        pixels(width, height) + "nodes of a tree of seeds");
 }
 
 void check_texture(int channels, int64_t width, int64_t height, int64_t memory) {

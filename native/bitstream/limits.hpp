@@ -22,6 +22,10 @@ int64_t max_seeds(const ModelSpec &spec, int64_t width, int64_t height, int64_t 
 int64_t left_by_base(int64_t values, int64_t memory);
 int64_t left_by_seeds(const ModelSpec &spec, int64_t count, int64_t memory);
 
+// Throws Error (limit) where the nodes of a tree of seeds would take more than the memory that is left, or than any
+// may.
+void check_tree(int64_t width, int64_t height, int64_t memory);
+
 // Throws Error (limit) for a tile that is too large to have texture.
 void check_texture(int channels, int64_t width, int64_t height, int64_t memory = kAnyMemory);
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "bitstream/residual_models.hpp"
+#include "bitstream/mixed_models.hpp"
 
 namespace sgi {
 
@@ -160,7 +160,7 @@ class PixelRepeats {
     const auto number = uint32_t(rank);
     const uint32_t from = number * kSources + candidates_[size_t(rank)].source;
     const uint32_t alike = number * kPatterns + pattern_;
-    const ResidualModels::Context context{
+    const MixedModels::Context context{
         {from * kTimes + times_, kFirst[0] + alike, kFirst[1] + (mixed(near_hash_, number) >> (32 - kHashBits)),
          kFirst[2] + number * kHits + hits},
         from * kPatterns + pattern_};
@@ -170,7 +170,7 @@ class PixelRepeats {
   const int64_t width_, stride_;
   std::vector<Around> around_;
   std::vector<Seen> far_, near_;  // under hashes of twelve pixels around, and of six
-  ResidualModels models_;
+  MixedModels models_;
   std::vector<BitModel> chances_;  // that a pixel is one of its candidates
   BitModel usual_ = kUnknown;      // the same of all pixels
   Bits &bits_;

@@ -1,11 +1,9 @@
 #include "bitstream/positions.hpp"
 
-#include <algorithm>
 #include <string>
 
 #include "base/error.hpp"
 #include "bitstream/arrays.hpp"
-#include "model/morton.hpp"
 
 namespace sgi {
 
@@ -17,16 +15,16 @@ Seeds read_positions(SymbolReader &reader, int64_t width, int64_t height, int64_
   const int shift = reader.number(kShiftBits);
   const std::vector<int32_t> lower = reader.values(shift, count);
   const std::vector<int64_t> upper = read_weights(reader, count);
-  std::vector<int64_t> codes;
+  Seeds seeds;
   int64_t pixel = -1;
   for (size_t i = 0; i < size_t(count); ++i) {
     const int64_t folded = upper[i] < 0 ? -2 * upper[i] - 1 : 2 * upper[i];
     pixel += 1 + (folded << shift) + lower[i];
     if (pixel >= width * height) throw Error(Fault::corrupt, "positions: a seed beyond the tile");
-    codes.push_back(morton(int32_t(pixel % width), int32_t(pixel / width)));
+    seeds.corner.push_back(int32_t(pixel % width)), seeds.corner.push_back(int32_t(pixel / width));
+    seeds.log_size.push_back(0);
   }
-  std::sort(codes.begin(), codes.end());
-  return seeds_of({{0, std::move(codes)}});
+  return in_order(seeds);
 }
 
 }  // namespace sgi

@@ -7,11 +7,11 @@
 #include <optional>
 #include <vector>
 
+#include "bitstream/mixed_models.hpp"
 #include "bitstream/pixel_repeats.hpp"
 #include "bitstream/residual_channel.hpp"
 #include "bitstream/residual_context.hpp"
 #include "bitstream/residual_grid.hpp"
-#include "bitstream/residual_models.hpp"
 
 namespace sgi {
 
@@ -61,7 +61,7 @@ class ResidualCoding {
 
   // The models of a channel.
   struct Models {
-    ResidualModels mixed{kResidualModels, kResidualSpreads * kResidualNodes};
+    MixedModels mixed{kResidualModels, kResidualSpreads * kResidualNodes};
     // Of the bits below a distance's unit, by its side, the unit, the runs before, and the bits before.
     std::array<BitModel, (2 * kSizes * kLengths) << kModelledBits> low;
 

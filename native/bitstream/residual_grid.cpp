@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <cstring>
 
-#include "bitstream/residual_models.hpp"
+#include "bitstream/mixed_models.hpp"
 
 namespace sgi {
 

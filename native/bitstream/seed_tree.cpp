@@ -1,27 +1,96 @@
 #include "bitstream/seed_tree.hpp"
 
 #include <algorithm>
+#include <string>
 
+#include "base/error.hpp"
+#include "bitstream/tree_coding.hpp"
 #include "model/morton.hpp"
 
 namespace sgi {
+namespace {
 
-Seeds seeds_of(const std::vector<LevelSeeds> &found) {
+Error misplaced(const char *text) { return Error(Fault::usage, std::string("positions: ") + text); }
+
+// The tree of seeds.
+TreeNodes tree_of(int64_t width, int64_t height, const Seeds &seeds) {
+  TreeNodes tree(width, height);
+  for (int level = kMinLevel; level <= kRootLevel; ++level) tree.open(level);
+  for (size_t i = 0; i < seeds.log_size.size(); ++i) {
+    const int64_t x = seeds.corner[2 * i], y = seeds.corner[2 * i + 1];
+    const int level = seeds.log_size[i];
+    if (level < kMinLevel || level > kRootLevel || x < 0 || y < 0 || x >= width || y >= height ||
+        (x | y) & ((1 << level) - 1))
+      throw misplaced("a seed is no node of the tree: outside, off its grid, of another size");
+    uint8_t &node = tree.at(level, x >> level, y >> level);
+    if (node & TreeNodes::kSeed) throw misplaced("two seeds share one node");
+    node |= TreeNodes::kSeed;
+    for (int above = level + 1; above <= kRootLevel; ++above)
+      tree.at(above, x >> above, y >> above) |= TreeNodes::kSplit;
+  }
+  return tree;
+}
+
+}  // namespace
+
+Seeds in_order(const Seeds &seeds) {
   constexpr int kLevelBits = 5, kMaxLevel = 16;
-  std::vector<int64_t> keys;
-  for (const auto &[level, codes] : found) {
-    const auto sorted = std::ptrdiff_t(keys.size());
-    for (const int64_t code : codes) keys.push_back(code << (2 * level + kLevelBits) | (kMaxLevel - level));
-    std::inplace_merge(keys.begin(), keys.begin() + sorted, keys.end());
+  std::vector<uint64_t> keys;
+  for (size_t i = 0; i < seeds.log_size.size(); ++i)
+    keys.push_back(uint64_t(morton(seeds.corner[2 * i], seeds.corner[2 * i + 1])) << kLevelBits |
+                   uint64_t(kMaxLevel - seeds.log_size[i]));
+  std::sort(keys.begin(), keys.end());
+  Seeds sorted;
+  sorted.corner.reserve(2 * keys.size()), sorted.log_size.reserve(keys.size());
+  for (const uint64_t key : keys) {
+    const uint64_t code = key >> kLevelBits;
+    sorted.corner.push_back(int32_t(gather_bits(code))), sorted.corner.push_back(int32_t(gather_bits(code >> 1)));
+    sorted.log_size.push_back(int8_t(kMaxLevel - int(key & ((1 << kLevelBits) - 1))));
   }
+  return sorted;
+}
+
+int64_t TreeNodes::memory(int64_t width, int64_t height) {
+  const TreeNodes nodes(width, height);
+  int64_t bytes = 0;
+  for (int level = kMinLevel; level <= kRootLevel + 1; ++level) bytes += nodes.stride(level) * (nodes.rows(level) + 2);
+  return bytes;
+}
+
+BitRecorder write_tree(int64_t width, int64_t height, const Seeds &seeds) {
+  BitRecorder bits;
+  const TreeNodes given = tree_of(width, height, seeds);
+  TreeNodes nodes(width, height);
+  TreeCoding coding(bits, nodes, &given);
+  for (int level = kRootLevel; level >= kMinLevel; --level) coding.level(level, [](int64_t, int64_t, uint8_t) {});
+  return bits;
+}
+
+Seeds read_tree(SymbolReader &reader, int64_t width, int64_t height, int64_t most) {
+  BitReader bits(reader.decoder());
+  TreeNodes nodes(width, height);
+  TreeCoding coding(bits, nodes, nullptr);
   Seeds seeds;
-  seeds.corner.reserve(2 * keys.size()), seeds.log_size.reserve(keys.size());
-  for (const int64_t key : keys) {
-    const auto code = uint64_t(key) >> kLevelBits;
-    seeds.corner.push_back(int32_t(gather_bits(code))), seeds.corner.push_back(int32_t(gather_bits(code >> 1)));
-    seeds.log_size.push_back(int8_t(kMaxLevel - (key & ((1 << kLevelBits) - 1))));
+  int64_t split = 1;
+  const double before = reader.decoder().content();
+  const auto require_few = [&](int64_t count) {
+    if (count > most) throw Error(Fault::limit, "positions: more than " + std::to_string(most) + " seeds");
+  };
+  for (int level = kRootLevel; level >= kMinLevel && split; --level) {
+    split = 0;
+    const bool is_sound = coding.level(level, [&](int64_t x, int64_t y, uint8_t node) {
+      if (node & TreeNodes::kSplit) require_few(++split);  // each has seeds
+      if (!(node & TreeNodes::kSeed)) return;
+      seeds.corner.push_back(int32_t(x << level)), seeds.corner.push_back(int32_t(y << level));
+      seeds.log_size.push_back(int8_t(level));
+      require_few(int64_t(seeds.log_size.size()));
+    });
+    if (!is_sound) SymbolReader::require_sound(Reading::kDamaged);
+    reader.record(coding.flags.data(), int64_t(coding.flags.size()));
+    coding.flags.clear();
   }
-  return seeds;
+  reader.book(Part::positions, reader.decoder().content() - before);
+  return in_order(seeds);
 }
 
 }  // namespace sgi

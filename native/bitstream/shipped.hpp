@@ -5,10 +5,9 @@
 
 namespace sgi {
 
-Bytes shipped_tables();     // the zero-centred tables
-Bytes shipped_positions();  // the network that predicts seed positions
-Bytes shipped_prior();      // the context model
-Bytes shipped_texture();    // with what models of texture begin, inflated
+Bytes shipped_tables();   // the zero-centred tables
+Bytes shipped_prior();    // the context model
+Bytes shipped_texture();  // with what models of texture begin, inflated
 Bytes shipped_restoration(
     int number);  // a network that restores pixels; without data where there is none of this number
 

@@ -1,7 +1,5 @@
 #include "bitstream/shipped_networks.hpp"
 
-#include <array>
-#include <mutex>
 #include <string>
 
 #include "base/error.hpp"
@@ -9,12 +7,6 @@
 #include "model/step_plan.hpp"
 
 namespace sgi {
-namespace {
-
-constexpr int kIsas = 3;
-
-}  // namespace
-
 Networks parse_networks(Bytes file) {
   size_t at = 0;
   const auto next = [&] {
@@ -51,17 +43,6 @@ Networks load_prior(const ModelSpec &spec) {
     fits = networks[step]->hidden == spec.context.hidden && networks[step]->inputs == input_count(spec, int(step));
   if (!fits) throw Error(Fault::unsupported, name + " does not fit the model that the header describes");
   return networks;
-}
-
-const std::vector<std::unique_ptr<const Network>> &position_networks(Isa isa) {
-  static std::array<std::once_flag, kIsas> once;
-  static std::array<std::vector<std::unique_ptr<const Network>>, kIsas> all;
-  const auto index = size_t(isa);
-  std::call_once(once[index], [&] {
-    for (const auto &network : parse_networks(shipped_positions()))
-      all[index].push_back(std::make_unique<const Network>(network->view(), isa));
-  });
-  return all[index];
 }
 
 }  // namespace sgi

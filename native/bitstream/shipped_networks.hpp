@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "base/bytes.hpp"
-#include "base/isa.hpp"
 #include "model/int_network.hpp"
 #include "model/spec.hpp"
 
@@ -20,8 +19,5 @@ Networks parse_networks(Bytes file);
 // Those of the prior that the model names, one for each coding step. Throws Error (unsupported) for one that this
 // version does not have or that does not fit the model.
 Networks load_prior(const ModelSpec &spec);
-
-// The networks that predict where seeds are, by child number, ready for an instruction set.
-const std::vector<std::unique_ptr<const Network>> &position_networks(Isa isa);
 
 }  // namespace sgi

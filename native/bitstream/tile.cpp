@@ -71,24 +71,20 @@ class TileReader {
   }
 
   void read_base_layer() {
-    rows_ = (header_.height + spec_.base_cell - 1) / spec_.base_cell;
-    columns_ = (header_.width + spec_.base_cell - 1) / spec_.base_cell;
+    const int64_t rows = (header_.height + spec_.base_cell - 1) / spec_.base_cell;
+    const int64_t columns = (header_.width + spec_.base_cell - 1) / spec_.base_cell;
     model_.base_step = reader_.number(kBaseStepBits);
     if (model_.base_step >= kStepCount) throw Error(Fault::corrupt, "base layer: a step outside the table of steps");
-    memory_ = left_by_base(spec_.channels * rows_ * columns_, memory_);
-    model_.base = read_base(reader_, spec_.channels, rows_, columns_);
+    memory_ = left_by_base(spec_.channels * rows * columns, memory_);
+    model_.base = read_base(reader_, spec_.channels, rows, columns);
   }
 
   void read_seeds() {
-    Seeds seeds;
-    const int64_t most = max_seeds(spec_, header_.width, header_.height, payload_bytes_, memory_);
-    if (spec_.layout == SeedLayoutKind::adaptive) {
-      const TreeScenery scenery(header_.width, header_.height, model_.base.data(), spec_.channels, rows_, columns_,
-                                spec_.base_cell, header_.quality);
-      seeds = read_predicted_positions(reader_, scenery, most, threads_, isa_);
-    } else {
-      seeds = read_positions(reader_, header_.width, header_.height, most);
-    }
+    const int64_t width = header_.width, height = header_.height;
+    const int64_t most = max_seeds(spec_, width, height, payload_bytes_, memory_);
+    const bool is_tree = spec_.layout == SeedLayoutKind::adaptive;
+    if (is_tree) check_tree(width, height, memory_);
+    Seeds seeds = (is_tree ? read_tree : read_positions)(reader_, width, height, most);
     memory_ = left_by_seeds(spec_, int64_t(seeds.log_size.size()), memory_);
     model_.corner = std::move(seeds.corner), model_.log_size = std::move(seeds.log_size);
   }
@@ -138,7 +134,6 @@ class TileReader {
   Isa isa_;
   SymbolReader reader_;
   int64_t payload_bytes_, memory_;  // bytes, what is left
-  int64_t rows_ = 0, columns_ = 0;  // of the base layer
   std::optional<HashGrid> grid_;
   TileModel model_;
 };

@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable
 
 import numpy as np
+from mixed_bits import Code, MixedModels, adapted
 from numpy.typing import NDArray
 
 __all__ = ["block"]
@@ -14,9 +15,6 @@ F32 = np.float32
 NEAR = ((0, -1), (-1, 0), (-1, -1), (-1, 1), (0, -2), (-2, 0), (-2, 1), (-1, 2), (-2, -1), (-1, -2))
 OTHER = ((0, -1), (-1, 0), (-1, 1), (-1, -1))
 CROSS = ((0, -1), (-1, 0), (0, 1), (1, 0))
-
-Code = Callable[[int], int]
-"""Gives the next bit, of P(1) in 2^-16."""
 
 
 def block(
@@ -51,7 +49,7 @@ def _outside(height: int, width: int, code: Code) -> NDArray[np.bool_]:
             context = cells[y, x - 1] + 2 * cells[y - 1, x] + 4 * cells[y - 1, x + 1]
             p, seen = models.get(context, (32768, 0))
             cells[y, x] = code(min(65520, max(16, p)))
-            models[context] = _adapted(p, seen, cells[y, x])
+            models[context] = adapted(p, seen, cells[y, x])
     return np.kron(cells[1:, 1:-1], np.ones((16, 16), int))[:height, :width, None] == 0
 
 
@@ -72,7 +70,7 @@ def _coded(
     held |= outside
     values = np.zeros((height, width, count), int)
     channels = [_Channel(k, shown[..., c], 2 * grids[c][3] + 1, grids[c][2]) for k, c in enumerate(order)]
-    models = [_Models() for _ in range(min(3, len(order)))]
+    models = [MixedModels() for _ in range(min(3, len(order)))]
     repeats, solved = _Repeats(width, height), False
     is_exact = not any(most_off for *_, most_off in grids)
     for y in range(height):
@@ -143,7 +141,7 @@ class _Distances:
         while length < 33 and more:
             p, seen = self.models.get((self.length, length), (32768, 0))
             more = code(min(65520, max(16, p)))
-            self.models[self.length, length] = _adapted(p, seen, more)
+            self.models[self.length, length] = adapted(p, seen, more)
             length += more
         self.length = length
         if not length:
@@ -163,7 +161,7 @@ class _Repeats:
         self.near: dict[int, _Seen] = {}
         self.chances: dict[tuple[int, int, int], tuple[int, int]] = {}
         self.all = (32768, 0)
-        self.models = _Models()
+        self.models = MixedModels()
 
     def code(self, y: int, x: int, is_coded: bool, code: Code) -> int | None:
         """The number of the pixel that this one repeats."""
@@ -217,10 +215,10 @@ class _Repeats:
         self.colours[y + 2, first:last], self.hits[y + 2, first:last] = colour, self.hit
         if self.candidates:
             is_hit = colour in [one for _, one, _ in self.candidates]
-            self.chances[self.chance] = _adapted(*self.chances.get(self.chance, (32768, 0)), is_hit)
-            self.all = _adapted(*self.all, is_hit)
+            self.chances[self.chance] = adapted(*self.chances.get(self.chance, (32768, 0)), is_hit)
+            self.all = adapted(*self.all, is_hit)
         elif self.is_odd:
-            self.all = _adapted(*self.all, 0)
+            self.all = adapted(*self.all, 0)
         for place in self.places:
             if place.last is not None and place.last[1] == colour:
                 place.times = min(8, place.times + 1)
@@ -299,7 +297,9 @@ class _Channel:
         plane = min(max(left + above - corner, min(left, above)), max(left, above))
         self.inputs.append(plane - self.d(y, x))
 
-    def sample(self, channels: list[_Channel], y: int, x: int, known: int | None, models: _Models, code: Code) -> int:
+    def sample(
+        self, channels: list[_Channel], y: int, x: int, known: int | None, models: MixedModels, code: Code
+    ) -> int:
         k, v, j = self.k, y + 2, x + 2
         drawn, inputs = self.d(y, x), [*self.inputs, *(other.e[v, j] for other in channels[max(0, k - 2) : k])]
         total = 0.0
@@ -407,41 +407,3 @@ def _distance(coded: Callable[[int], int], digit: Callable[..., int], spread: in
         known = (up, min(size, 11), min(runs, 3), depth, rest) if depth < 3 else ()
         rest = 2 * rest + digit(*known)
     return start + rest
-
-
-class _Models:
-    def __init__(self) -> None:
-        self.models: dict[int | tuple[int, ...], tuple[int, int]] = {}
-        self.weights: dict[int, list[int]] = {}
-
-    def bit(self, code: Code, numbers: list[int], set_: int) -> int:
-        logits = [_logit(self.models.get(number, (32768, 0))[0] >> 4) for number in numbers]
-        weights = self.weights.setdefault(set_, [16384] * 4)
-        total = sum(weight * logit for weight, logit in zip(weights, logits, strict=True)) >> 16
-        one = _logistic(min(3071, max(-3072, total)))
-        bit = code(one)
-        for i, logit in enumerate(logits):
-            weights[i] = min(1 << 20, max(-(1 << 20), weights[i] + ((logit * (65536 * bit - one)) >> 15)))
-        for number in numbers:
-            self.models[number] = _adapted(*self.models.get(number, (32768, 0)), bit)
-        return bit
-
-    def alone(self, code: Code, context: tuple[int, ...]) -> int:
-        if not context:
-            return code(32768)
-        p, seen = self.models.get(context, (32768, 0))
-        bit = code(min(65520, max(16, p)))
-        self.models[context] = _adapted(p, seen, bit)
-        return bit
-
-
-def _adapted(p: int, seen: int, bit: int) -> tuple[int, int]:
-    return p + (((65535 * bit - p) * (655360 // (10 * seen + 16))) >> 16), min(seen + 1, 150)
-
-
-def _logit(index: int) -> int:
-    return round(256 * math.log((2 * index + 1) / (8191 - 2 * index)))
-
-
-def _logistic(x: int) -> int:
-    return min(65519, max(16, round(65536 / (1 + math.exp(-x / 256)))))

@@ -1,15 +1,16 @@
-"""Seed positions of the uniform layout: pixels, by how many others lie between one seed and the next."""
+"""Seed positions: a quadtree under adaptive models; of the uniform layout pixels, by how many others lie between."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
+from sgicodec import _native
 from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
 from sgicodec.bitstream.parts.arrays import write_weights
 from sgicodec.errors import UsageError
 
-__all__ = ["Seeds", "write_positions"]
+__all__ = ["Seeds", "write_positions", "write_tree"]
 
 Seeds = tuple[NDArray[np.int32], NDArray[np.int8]]
 """Corners [N, 2] in pixels (x, y) and log2 of the side of each one's node [N]."""
@@ -17,6 +18,14 @@ Seeds = tuple[NDArray[np.int32], NDArray[np.int8]]
 _COUNT_BITS, _SHIFT_BITS = 32, 4
 _UPPER_BITS = 5
 """Of a gap of the mean size; those below are as good as random, and are coded as raw values."""
+
+
+def write_tree(writer: SymbolWriter, size: tuple[int, int], seeds: Seeds) -> None:
+    """Writes seeds as a quadtree in a tile of `size` (width, height). Raises UsageError for seeds that are no nodes of
+    the tree, or share one.
+    """
+    flags, ones, content = _native.write_tree(size, *seeds)
+    writer.flags(flags, ones, flags, content)
 
 
 def write_positions(writer: SymbolWriter, size: tuple[int, int], seeds: Seeds) -> None:

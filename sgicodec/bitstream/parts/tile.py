@@ -16,8 +16,7 @@ from sgicodec.bitstream.header import Header, encode_header
 from sgicodec.bitstream.limits import check_model, hash_counts, max_seeds, network_shapes
 from sgicodec.bitstream.parts.arrays import write_base, write_signs, write_weights
 from sgicodec.bitstream.parts.attributes import QuantisedAttributes, quantise_attributes, write_attributes
-from sgicodec.bitstream.parts.positions import write_positions
-from sgicodec.bitstream.parts.predicted_positions import TreeContext, write_predicted_positions
+from sgicodec.bitstream.parts.positions import write_positions, write_tree
 from sgicodec.bitstream.parts.restoration import write_restoration
 from sgicodec.bitstream.parts.texture import layer_of, write_texture
 from sgicodec.device import ONE_THREAD, Device
@@ -91,7 +90,8 @@ def write_tile(header: Header, model: TileModel) -> tuple[bytes, SymbolWriter]:
             writer.code_int(model.base_step, _STEP_BITS)
             write_base(writer, model.base, (spec.channels, *base_shape(*size, spec.base_cell)))
     with writer.part("positions"):
-        _write_layout(writer, header, model.base, model.layout)
+        write = write_tree if spec.layout == "adaptive" else write_positions
+        write(writer, size, (model.layout.corner, model.layout.log_size))
     with writer.part("decoders"):
         if spec.hidden:
             writer.code_int(model.decoder_shift, _SHIFT_BITS)
@@ -149,14 +149,6 @@ def _write_plan(writer: SymbolWriter, spec: ModelSpec, quality: int, plan: StepP
         write_weights(writer, plan.base[name] - index, index.shape)
         if follows_amplitude(spec, name):
             writer.code_int(plan.gamma[name], _GAMMA_BITS)
-
-
-def _write_layout(writer: SymbolWriter, header: Header, base: I64, layout: SeedLayout) -> None:
-    seeds, size = (layout.corner, layout.log_size), (header.width, header.height)
-    if header.spec.layout == "uniform":
-        write_positions(writer, size, seeds)
-    else:
-        write_predicted_positions(writer, TreeContext(size, base, header.spec.base_cell, header.quality), seeds)
 
 
 def write_networks(writer: SymbolWriter, spec: ModelSpec, networks: tuple[IntNetwork, ...]) -> None:

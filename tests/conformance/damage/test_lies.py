@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from data_files import GOLDEN
 from little_memory import read_with_little_memory
 from surgery import frame, join, split, with_fields, with_hash
 
@@ -16,8 +17,7 @@ from sgicodec.bitstream.container import SIGNATURE
 from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
 from sgicodec.bitstream.header import decode_header
 from sgicodec.bitstream.parts.arrays import write_base, write_weights
-from sgicodec.bitstream.parts.positions import write_positions
-from sgicodec.bitstream.parts.predicted_positions import TreeContext, write_predicted_positions
+from sgicodec.bitstream.parts.positions import write_positions, write_tree
 from sgicodec.bitstream.parts.tile import read_tile
 from sgicodec.decoder.stream import open_stream
 from sgicodec.errors import CorruptStreamError, LimitError
@@ -107,15 +107,20 @@ def test_free_seeds_are_few(coded: Any) -> None:
     y, x = (axis.reshape(-1) << least for axis in np.mgrid[: 2**10, : 2**10])
     seeds = np.stack([x, y], axis=1).astype(np.int32), np.full(x.size, least, np.int8)
     walk = _up_to_positions(header)
-    if adaptive:
-        base = np.zeros((header.spec.channels, *base_shape(side, side, header.spec.base_cell)), np.int64)
-        context = TreeContext((side, side), base, header.spec.base_cell, header.quality)
-        write_predicted_positions(walk, context, seeds)
-    else:
-        write_positions(walk, (side, side), seeds)
+    write = write_tree if adaptive else write_positions
+    write(walk, (side, side), seeds)
     payload = walk.finish()
     assert len(payload) < x.size // 4
     with pytest.raises(LimitError, match="seeds"):
+        read_tile(header, payload)
+
+
+def test_a_tree_of_too_many_nodes() -> None:
+    """A level takes a byte for each of its nodes as soon as one above it is split."""
+    stream = with_fields((GOLDEN / "gray16.sgi").read_bytes(), width=2**15, height=2**15)
+    header = decode_header(split(stream)[0][1])
+    payload = _up_to_positions(header).finish()
+    with pytest.raises(LimitError, match="nodes of a tree of seeds"):
         read_tile(header, payload)
 
 

@@ -10,7 +10,7 @@
 
 namespace sgi {
 
-class ResidualModels {
+class MixedModels {
  public:
   static constexpr size_t kMixed = 4;
 
@@ -21,7 +21,7 @@ class ResidualModels {
   };
 
   // Models at P = 1/2 that have seen nothing, with equal weights of sum 1.
-  ResidualModels(size_t models, size_t sets) : models_(models, BitModel{kCertain / 2, 0}), weights_(sets) {
+  MixedModels(size_t models, size_t sets) : models_(models, BitModel{kCertain / 2, 0}), weights_(sets) {
     for (Weights &weights : weights_) weights.fill(kCertain / int(kMixed));
   }
 
