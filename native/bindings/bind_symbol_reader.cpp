@@ -11,6 +11,7 @@
 #include "bitstream/arrays.hpp"
 #include "bitstream/frequency_tables.hpp"
 #include "bitstream/header.hpp"
+#include "bitstream/mask.hpp"
 #include "bitstream/positions.hpp"
 #include "bitstream/symbol_reader.hpp"
 
@@ -46,22 +47,15 @@ auto read_symbols(SymbolReader &reader, const Array<const int16_t, 1> &tables) {
   return flat(std::move(symbols));
 }
 
-auto read_categorical(SymbolReader &reader, const Array<const int64_t, 2> &frequencies,
-                      const Array<const int16_t, 1> &rows) {
-  const size_t size = frequencies.shape(1);
-  require(size >= 1 && size < (1 << 16), "a model must have 1 to 65535 symbols");
-  require_keys(rows, int64_t(frequencies.shape(0)));
-  std::vector<int64_t> all(frequencies.data(), frequencies.data() + frequencies.size());
-  for (auto row = all.begin(); row != all.end(); row += std::ptrdiff_t(size)) {
-    for (auto f = row; f != row + std::ptrdiff_t(size); ++f)
-      require(*f >= 0 && *f <= sgi::kTotalFrequency, "a frequency is outside 0..2**24");
-    require(std::accumulate(row, row + std::ptrdiff_t(size), int64_t(0)) == sgi::kTotalFrequency,
-            "the frequencies of a model must sum to 2**24");
+auto read_flags(SymbolReader &reader, const Array<const int32_t, 1> &ones) {
+  std::vector<int32_t> flags(ones.size());
+  for (size_t i = 0; i < flags.size(); ++i) {
+    require(ones.data()[i] > 0 && ones.data()[i] < sgi::kCertain, "P(1) must be 1..65535 in 2^-16");
+    if (!reader.decoder().decode_bit(uint32_t(ones.data()[i]), flags[i]))
+      SymbolReader::require_sound(sgi::Reading::kDamaged);
   }
-  const sgi::Alphabets alphabets(all, int64_t(size));
-  std::vector<int32_t> symbols(rows.size());
-  reader.categorical(alphabets.view(), rows.data(), int64_t(rows.size()), symbols.data());
-  return flat(std::move(symbols));
+  reader.record(flags.data(), int64_t(flags.size()));
+  return flat(std::move(flags));
 }
 
 auto read_bits(SymbolReader &reader, int bits, int64_t count) {
@@ -108,14 +102,30 @@ auto read_tree(SymbolReader &reader, Size size, int64_t most) {
   return arrays_of(sgi::read_tree(reader, size.first, size.second, most));
 }
 
+// Bits as they are coded, their P(1) in 2^-16, and their information content.
+auto arrays_of(sgi::BitRecorder written) {
+  const double content = written.account.total();
+  return std::tuple(flat(std::move(written.bits)), flat(std::move(written.ones)), content);
+}
+
 auto write_tree(Size size, const Array<const int32_t, 2> &corner, const Array<const int8_t, 1> &log_size) {
   require_size(size);
   require(sgi::has_shape(corner, log_size.shape(0), 2), "corner must be [N, 2], log_size [N]");
   const sgi::Seeds seeds{{corner.data(), corner.data() + corner.size()},
                          {log_size.data(), log_size.data() + log_size.size()}};
-  sgi::BitRecorder written = sgi::write_tree(size.first, size.second, seeds);
-  const double content = written.account.total();
-  return std::tuple(flat(std::move(written.bits)), flat(std::move(written.ones)), content);
+  return arrays_of(sgi::write_tree(size.first, size.second, seeds));
+}
+
+auto write_signs(const Array<const int32_t, 1> &signs, const std::vector<int64_t> &counts) {
+  require(std::accumulate(counts.begin(), counts.end(), int64_t(0)) == int64_t(signs.size()), "a sign for each entry");
+  for (const int64_t count : counts) require(count >= 0, "a level has no negative size");
+  return arrays_of(sgi::write_signs({signs.data(), signs.data() + signs.size()}, counts));
+}
+
+auto write_mask(const Array<const uint8_t, 2> &mask) {
+  require_size({int64_t(mask.shape(1)), int64_t(mask.shape(0))});
+  sgi::WrittenMask written(mask.data(), int64_t(mask.shape(1)), int64_t(mask.shape(0)));
+  return std::tuple_cat(arrays_of(std::move(written.bits)), std::tuple(written.mixed));
 }
 
 auto read_texture(SymbolReader &reader, Size size, int channels) {
@@ -133,8 +143,7 @@ void bind_symbol_reader(nb::module_ &m) {
   nb::class_<SymbolReader>(m, "SymbolReader", "Reads a payload group by group, part by part: the decoder's own reader.")
       .def("__init__", &make_reader, "payload"_a)
       .def("read", &read_symbols, "tables"_a, "Zero-centred integers [n], each with its own table.")
-      .def("read_categorical", &read_categorical, "frequencies"_a, "rows"_a,
-           "Symbols [n] under rows of frequencies [rows, A].")
+      .def("read_flags", &read_flags, "ones"_a, "Bits [n] that are 1 with probabilities of ones / 2^16.")
       .def("read_bits", &read_bits, "n_bits"_a, "count"_a, "Equally likely integers [count] of 0 to 32 bits.")
       .def("read_weights", &read_weights, "count"_a, "A tensor of so many integers, flat.")
       .def("read_signs", &read_signs, "counts"_a, "The hash grid's signs, 0 or 1, level after level.")
@@ -153,6 +162,11 @@ void bind_symbol_reader(nb::module_ &m) {
           "ends", [](SymbolReader &reader) { return reader.decoder().maybe_exhausted(); },
           "Whether an encoder may have ended here.")
       .def_prop_ro("bits", &bits_of, "Information content of all symbols.");
+  m.def("write_mask", &write_mask, "mask"_a,
+        "The bits of a mask [h, w] as they are coded, their P(1) in 2^-16, information content, mixed squares.");
+  m.def("max_mixed", &sgi::max_mixed, "payload_bytes"_a, "The mixed squares that a mask of this length may have.");
+  m.def("write_signs", &write_signs, "signs"_a, "counts"_a,
+        "Values 0 or 1, level after level, as they are coded, their P(1) in 2^-16, information content.");
   m.def("write_tree", &write_tree, "size"_a, "corner"_a, "log_size"_a,
         "The flags of the tree of these seeds as they are coded, their P(1) in 2^-16, information content.");
 }

@@ -134,7 +134,7 @@ Bits bits_of(const ReadTile &tile) {
 
 using Pixels = Array<const int64_t, 1>;
 
-auto mask_at(const sgi::MaskTree &mask, const Pixels &rows, const Pixels &columns) {
+auto mask_at(const sgi::Mask &mask, const Pixels &rows, const Pixels &columns) {
   for (const Pixels &pixels : {rows, columns})
     for (size_t i = 1; i < pixels.size(); ++i)
       require(pixels.data()[i - 1] <= pixels.data()[i], "rows and columns must not fall");
@@ -147,8 +147,8 @@ auto mask_at(const sgi::MaskTree &mask, const Pixels &rows, const Pixels &column
 // Number of the tile, whether no pixel holds anything, masks of bands, exact samples, the payload of its model.
 auto decode_tile_chunk(const nb::bytes &header, const nb::bytes &payload) {
   const sgi::TileChunk chunk = sgi::decode_tile_chunk(sgi::decode_header(bytes_of(header)), bytes_of(payload));
-  std::vector<std::tuple<bool, std::shared_ptr<sgi::MaskTree>>> masks;
-  for (const sgi::BandMask &mask : chunk.masks) masks.emplace_back(mask.is_all, mask.tree);
+  std::vector<std::tuple<bool, std::shared_ptr<sgi::Mask>>> masks;
+  for (const sgi::BandMask &mask : chunk.masks) masks.emplace_back(mask.is_all, mask.pixels);
   std::vector<std::tuple<int64_t, double>> exact;
   for (const sgi::ExactSample &sample : chunk.exact) exact.emplace_back(sample.place, sample.value);
   return std::tuple(chunk.number, chunk.is_empty, masks, exact, nb::bytes(chunk.model.data, chunk.model.size));
@@ -240,19 +240,17 @@ void bind_tile(nb::module_ &m) {
   m.attr("PRIOR") = sgi::kPrior;
   m.def("load_prior", &load_prior, "header"_a, nb::rv_policy::move,
         "The networks of the prior that a header names, as TileModel.networks.");
-  nb::class_<sgi::MaskTree>(m, "MaskTree",
-                            "Which pixels of a tile hold nothing, as the quadtree that the stream codes.")
+  nb::class_<sgi::Mask>(m, "Mask", "Which pixels of a tile hold nothing.")
       .def(
-          "__init__",
-          [](sgi::MaskTree *self, int64_t width, int64_t height) { new (self) sgi::MaskTree(width, height); },
+          "__init__", [](sgi::Mask *self, int64_t width, int64_t height) { new (self) sgi::Mask(width, height); },
           "width"_a, "height"_a, "That of a tile in which no pixel holds anything.")
-      .def_prop_ro("nbytes", &sgi::MaskTree::memory)
+      .def_prop_ro("nbytes", &sgi::Mask::memory)
       .def("at", &mask_at, nb::rv_policy::move, "rows"_a, "columns"_a,
            "The mask [rows, columns] where ascending rows and columns of pixels meet.");
   m.def(
       "decode_tile_chunk", &decode_tile_chunk, "header"_a, "payload"_a,
       "Of the payload of a chunk T: the tile's number; whether no pixel of it holds anything; masks, one for all "
       "bands\n"
-      "or one for each (whether it holds nothing, and its tree or None), none where all pixels hold something; exact\n"
+      "or one for each (whether it holds nothing, and its mask or None), none where all pixels hold something; exact\n"
       "samples (place, value); the payload of its model.");
 }

@@ -1,15 +1,15 @@
 #include "bitstream/arrays.hpp"
 
 #include <cstdlib>
+#include <numeric>
 #include <string>
 
 #include "base/error.hpp"
 #include "bitstream/frequency_tables.hpp"
+#include "bitstream/mixed_models.hpp"
 
 namespace sgi {
 namespace {
-
-constexpr int kProbabilityBits = 8;
 
 // The prediction of element (x, y) of a plane of `columns` columns: the mean of those to the left and above; at an edge
 // the one that is there stands for both.
@@ -27,19 +27,35 @@ std::vector<int64_t> read_weights(SymbolReader &reader, int64_t count) {
   return {symbols.begin(), symbols.end()};
 }
 
-std::vector<uint8_t> read_signs(SymbolReader &reader, const std::vector<int64_t> &counts) {
-  std::vector<int64_t> frequencies;
-  for (const int32_t code : reader.values(kProbabilityBits, int64_t(counts.size()))) {
-    const int64_t one = (2 * int64_t(code) + 1) << 15;
-    frequencies.insert(frequencies.end(), {kTotalFrequency - one, one});
+namespace {
+
+template <class Bits>
+bool code_signs(Bits &bits, const std::vector<int64_t> &counts, std::vector<int32_t> &signs) {
+  auto sign = signs.begin();
+  for (const int64_t count : counts) {
+    BitModel model{kCertain / 2, 0};
+    for (int64_t i = 0; i < count; ++i)
+      if (!code_alone(bits, model, *sign++)) return false;
   }
-  const Alphabets alphabets(frequencies, 2);
-  std::vector<int16_t> levels;
-  for (size_t level = 0; level < counts.size(); ++level)
-    levels.insert(levels.end(), size_t(counts[level]), int16_t(level));
-  std::vector<int32_t> flags(levels.size());
-  reader.categorical(alphabets.view(), levels.data(), int64_t(levels.size()), flags.data());
-  return {flags.begin(), flags.end()};
+  return true;
+}
+
+}  // namespace
+
+std::vector<uint8_t> read_signs(SymbolReader &reader, const std::vector<int64_t> &counts) {
+  std::vector<int32_t> signs(size_t(std::accumulate(counts.begin(), counts.end(), int64_t(0))));
+  BitReader bits(reader.decoder());
+  const double before = reader.decoder().content();
+  if (!code_signs(bits, counts, signs)) SymbolReader::require_sound(Reading::kDamaged);
+  reader.record(signs.data(), int64_t(signs.size()));
+  reader.book(Part::hash_grid, reader.decoder().content() - before);
+  return {signs.begin(), signs.end()};
+}
+
+BitRecorder write_signs(std::vector<int32_t> signs, const std::vector<int64_t> &counts) {
+  BitRecorder bits;
+  code_signs(bits, counts, signs);
+  return bits;
 }
 
 std::vector<int64_t> read_base(SymbolReader &reader, int channels, int64_t rows, int64_t columns) {

@@ -4,13 +4,13 @@
 #include <cstdlib>
 #include <vector>
 
-#include "bitstream/alphabets.hpp"
 #include "bitstream/shipped.hpp"
 
 namespace sgi {
 namespace {
 
 constexpr int kEscapeExponents = 21;
+constexpr int64_t kTotalFrequency = int64_t(1) << 24;
 
 uint32_t little_endian(const uint8_t *bytes, int count) {
   uint32_t value = 0;

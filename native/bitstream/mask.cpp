@@ -1,213 +1,225 @@
 #include "bitstream/mask.hpp"
 
 #include <algorithm>
-#include <array>
 #include <string>
 
 #include "base/error.hpp"
+#include "bitstream/mixed_models.hpp"
 #include "bitstream/symbol_reader.hpp"
 
 namespace sgi {
+
 namespace {
 
-// Mixed nodes of a mask, about 80 bytes each: as many as any mask of 1.1 megapixels has, and more for each byte. An
-// outline, or noise, has three for each byte; a mixed node of four pixels takes a bit at least.
-constexpr int64_t kMaxNodes = 3 << 17, kNodesPerByte = 32;
-constexpr uint8_t kMixed = 2, kNoNode = 3;  // states besides 0 and 1
-constexpr int kContexts = 81;
-// Of the left, right, upper, lower neighbour: the axis (0 across, 1 down), and what a child's number changes by.
-constexpr int kAxis[4] = {0, 0, 1, 1}, kStep[4] = {1, 1, 2, 2};
-
-// Whether the neighbour of a child on a side has the same parent; it is child number `child ^ kStep[side]` of its own.
-bool has_same_parent(int child, int side) { return (child >> kAxis[side] & 1) != side % 2; }
-
-struct MixedNode {
-  int64_t x, y;
-  std::array<int32_t, 4> near;  // links to the neighbours
-};
-
-using States = std::vector<std::array<uint8_t, 4>>;
-using Links = std::vector<int32_t>;
-
-// How often each state occurred in each context [81, kinds].
-class Counts {
- public:
-  explicit Counts(int kinds) : kinds_(kinds), counts_(size_t(kContexts * kinds)) {}
-
-  // Integers that sum to 2^24 in every row, in proportion to 1 + 2 count.
-  Alphabets alphabets() const {
-    std::vector<int64_t> frequencies;
-    for (size_t row = 0; row < counts_.size(); row += size_t(kinds_)) {
-      int64_t weights = 0, sum = 0;
-      for (int s = 0; s < kinds_; ++s) weights += 1 + 2 * counts_[row + size_t(s)];
-      for (int s = 0; s < kinds_; ++s) {
-        frequencies.push_back(1 + (kTotalFrequency - kinds_) * (1 + 2 * counts_[row + size_t(s)]) / weights);
-        sum += frequencies.back();
-      }
-      frequencies[row] += kTotalFrequency - sum;
-    }
-    return {frequencies, kinds_};
-  }
-
-  void add(int16_t context, int32_t state) { ++counts_[size_t(context) * size_t(kinds_) + size_t(state)]; }
-
- private:
-  int kinds_;
-  std::vector<int64_t> counts_;
-};
-
-class MaskReader {
- public:
-  MaskReader(Bytes payload, int64_t width, int64_t height)
-      : reader_(payload), width_(width), height_(height), left_(kMaxNodes + kNodesPerByte * int64_t(payload.size)) {}
-
-  std::vector<Links> read() {
-    int top = 0;
-    while (std::max({width_ - 1, height_ - 1, int64_t(1)}) >> top) ++top;
-    std::vector<MixedNode> nodes{{0, 0, {MaskTree::kBeyond, MaskTree::kBeyond, MaskTree::kBeyond, MaskTree::kBeyond}}};
-    Counts inner(3), bottom(2);
-    std::vector<Links> levels;
-    for (int level = top - 1; level >= 0; --level) {
-      const int64_t side = int64_t(1) << level;
-      columns_ = (width_ + side - 1) >> level, rows_ = (height_ + side - 1) >> level;
-      levels.push_back(links_of(read_level(nodes, level ? inner : bottom), nodes));
-    }
-    reader_.finish();
-    return levels;
-  }
-
- private:
-  bool is_inside(const MixedNode &node, int child) const {
-    return 2 * node.x + (child & 1) < columns_ && 2 * node.y + (child >> 1) < rows_;
-  }
-
-  // The states of the children of mixed nodes.
-  States read_level(const std::vector<MixedNode> &nodes, Counts &counts) {
-    States states(nodes.size(), {kMixed, kMixed, kMixed, kMixed});
-    std::vector<size_t> inside;
-    std::vector<int16_t> contexts;
-    std::vector<int32_t> coded;
-    for (int child = 0; child < 4; ++child) {
-      inside.clear(), contexts.clear();
-      for (size_t i = 0; i < nodes.size(); ++i) {
-        if (!is_inside(nodes[i], child)) continue;
-        int context = 0;
-        for (int side = 0; side < 4; ++side) context = 3 * context + state_beside(states, nodes, i, child, side);
-        inside.push_back(i), contexts.push_back(int16_t(context));
-      }
-      coded.resize(inside.size());
-      reader_.categorical(counts.alphabets().view(), contexts.data(), int64_t(contexts.size()), coded.data());
-      for (size_t i = 0; i < inside.size(); ++i) {
-        counts.add(contexts[i], coded[i]);
-        states[inside[i]][size_t(child)] = uint8_t(coded[i]);
-        left_ -= coded[i] == kMixed;
-      }
-      if (left_ < 0)
-        throw Error(Fault::limit, "a mask of too many nodes for its length: more than " + std::to_string(kMaxNodes) +
-                                      "; it is refused");
-    }
-    for (size_t i = 0; i < nodes.size(); ++i)
-      for (int child = 0; child < 4; ++child)
-        if (!is_inside(nodes[i], child)) states[i][size_t(child)] = kNoNode;
-    return states;
-  }
-
-  // What is known of the neighbour of a child: beyond the edge it is the node's own, mixed.
-  static int state_beside(const States &states, const std::vector<MixedNode> &nodes, size_t node, int child, int side) {
-    const auto other = size_t(child ^ kStep[side]);
-    if (has_same_parent(child, side)) return states[node][other];
-    const int32_t link = nodes[node].near[size_t(side)];
-    if (link >= 0) return states[size_t(link)][other];
-    return link == MaskTree::kSet ? 1 : link == MaskTree::kClear ? 0 : kMixed;
-  }
-
-  // The links to the children. `nodes` become the mixed ones among them, row by row.
-  static Links links_of(const States &states, std::vector<MixedNode> &nodes) {
-    constexpr int32_t kLinks[4] = {MaskTree::kClear, MaskTree::kSet, 0, MaskTree::kBeyond};
-    Links links(4 * nodes.size());
-    std::vector<size_t> mixed;  // 4 node + child
-    for (size_t first = 0, last; first < nodes.size(); first = last) {
-      for (last = first; last < nodes.size() && nodes[last].y == nodes[first].y;) ++last;
-      for (size_t down = 0; down < 2; ++down)
-        for (size_t slot = 4 * first; slot < 4 * last; ++slot) {
-          if ((slot >> 1 & 1) != down) continue;
-          const uint8_t state = states[slot >> 2][slot & 3];
-          links[slot] = state == kMixed ? int32_t(mixed.size()) : kLinks[state];
-          if (state == kMixed) mixed.push_back(slot);
-        }
-    }
-    std::vector<MixedNode> children;
-    children.reserve(mixed.size());
-    for (const size_t slot : mixed) {
-      const MixedNode &node = nodes[slot >> 2];
-      const int child = int(slot & 3);
-      MixedNode next{2 * node.x + (child & 1), 2 * node.y + (child >> 1), {}};
-      for (int side = 0; side < 4; ++side) {
-        const int32_t parent = has_same_parent(child, side) ? int32_t(slot >> 2) : node.near[size_t(side)];
-        next.near[size_t(side)] = parent >= 0 ? links[4 * size_t(parent) + size_t(child ^ kStep[side])] : parent;
-      }
-      children.push_back(next);
-    }
-    nodes = std::move(children);
-    return links;
-  }
-
-  SymbolReader reader_;
-  int64_t width_, height_, left_;   // mixed nodes that may still come
-  int64_t columns_ = 0, rows_ = 0;  // of the level that is read
-};
-
-// Rows and columns of pixels, ascending, and where the mask goes.
-struct Sampling {
-  const std::vector<Links> &levels;
-  const int64_t *x, *y;
-  int64_t columns;
-  uint8_t *out;
-
-  // Below a mixed node at (left, top) of its level: the pixels y[rows.first ...], x[columns.first ...].
-  void fill(size_t level, int32_t node, int64_t left, int64_t top, std::pair<int64_t, int64_t> rows_of,
-            std::pair<int64_t, int64_t> columns_of) const {
-    const int shift = int(levels.size() - 1 - level);
-    const int64_t row = std::lower_bound(y + rows_of.first, y + rows_of.second, (2 * top + 1) << shift) - y;
-    const int64_t column = std::lower_bound(x + columns_of.first, x + columns_of.second, (2 * left + 1) << shift) - x;
-    for (int child = 0; child < 4; ++child) {
-      const auto rows = child >> 1 ? std::pair{row, rows_of.second} : std::pair{rows_of.first, row};
-      const auto across = child & 1 ? std::pair{column, columns_of.second} : std::pair{columns_of.first, column};
-      const int32_t link = levels[level][4 * size_t(node) + size_t(child)];
-      if (rows.first == rows.second || across.first == across.second) continue;
-      if (link >= 0) fill(level + 1, link, 2 * left + (child & 1), 2 * top + (child >> 1), rows, across);
-      if (link == MaskTree::kSet)
-        for (int64_t r = rows.first; r < rows.second; ++r)
-          std::fill(out + r * columns + across.first, out + r * columns + across.second, uint8_t(1));
-    }
-  }
-};
+// As many squares as masks of two megapixels have, a KiB each, and more for each byte: those of an outline take two
+// bits at least, those of noise 32 bytes.
+constexpr int64_t kFreeMixed = 1 << 13, kMixedPerByte = 32;
 
 }  // namespace
 
-MaskTree MaskTree::read(Bytes payload, int64_t width, int64_t height) {
-  MaskTree tree(width, height);
-  tree.levels_ = MaskReader(payload, width, height).read();
-  return tree;
+// Codes a mask square by square, writing where a mask is given and else reading.
+template <class Bits>
+class MaskCoding {
+ public:
+  MaskCoding(Bits &bits, Mask &mask, const uint8_t *given, int64_t most)
+      : bits_(bits), mask_(mask), given_(given), most_(most) {
+    mask.large_.assign(size_t(mask.across() * mask.down()), Mask::kUnknown);
+  }
+
+  // False where `bits` has none, or says that a square is mixed which is not.
+  bool large(int64_t x, int64_t y) {
+    int32_t &link = mask_.large_[size_t((y >> 2 * kLog) * mask_.across() + (x >> 2 * kLog))];
+    int state = kClearState;
+    if (!code_state(x, y, 2 * kLog, state)) return false;
+    if (state != kMixedState) {
+      link = state == kSetState ? Mask::kSet : Mask::kClear;
+      return true;
+    }
+    link = int32_t(mask_.small_.size());
+    mask_.small_.emplace_back().fill(Mask::kUnknown);
+    const int64_t right = std::min(x + kLarge, mask_.width_), bottom = std::min(y + kLarge, mask_.height_);
+    for (int64_t below = y; below < bottom; below += kSmall)
+      for (int64_t beside = x; beside < right; beside += kSmall)
+        if (!small(beside, below)) return false;
+    const Mask::Links &links = mask_.small_.back();  // of squares outside the tile unknown
+    return std::any_of(links.begin(), links.end(),
+                       [&](int32_t of) { return of >= 0 || (of != Mask::kUnknown && of != links.front()); });
+  }
+
+  std::vector<int32_t> flags;  // that were coded
+  int64_t mixed = 0;
+
+ private:
+  static constexpr int kLog = Mask::kLogSide, kSmall = 1 << kLog, kLarge = 1 << 2 * kLog;
+  enum State { kClearState, kSetState, kMixedState, kUnknownState };
+  // Of pixels: models by 4, 6, 10 and 8 pixels around, whose numbers follow each other.
+  static constexpr std::array<uint32_t, MixedModels::kMixed> kFirst{0, 16, 16 + 64, 16 + 64 + 1024};
+  static constexpr uint32_t kModels = kFirst[3] + 256, kSets = 16;
+  // What is known around a square of 16 pixels: two rows above, three columns to each side.
+  static constexpr int kAbove = 2, kBeside = 3, kStride = kSmall + 2 * kBeside;
+  using Window = std::array<std::array<uint8_t, kStride>, kAbove + kSmall>;
+
+  bool small(int64_t x, int64_t y) {
+    int state = kClearState;
+    if (!code_state(x, y, kLog, state)) return false;
+    int32_t link = state == kSetState ? Mask::kSet : Mask::kClear;
+    if (state == kMixedState) {
+      link = int32_t(mask_.pixels_.size());
+      Mask::Pixels pixels{};
+      bool has_both = false;
+      if (!code_pixels(x, y, pixels, has_both) || !has_both) return false;
+      mask_.pixels_.push_back(pixels);
+    }
+    mask_.small_.back()[size_t((y >> kLog & (kSmall - 1)) << kLog | (x >> kLog & (kSmall - 1)))] = link;
+    return true;
+  }
+
+  // What a square at (x, y) is, under what those to the left, above, above left and above right are.
+  bool code_state(int64_t x, int64_t y, int log_side, int &state) {
+    if (given_) state = given_state(x, y, int64_t(1) << log_side);
+    const int64_t side = int64_t(1) << log_side;
+    uint32_t context = log_side > kLog;
+    constexpr int kX[4] = {-1, 0, -1, 1}, kY[4] = {0, -1, -1, -1};
+    for (int i = 0; i < 4; ++i)
+      context = 4 * context + uint32_t(state_at(x + kX[i] * side, y + kY[i] * side, log_side > kLog));
+    int is_mixed = state == kMixedState, is_set = state == kSetState;
+    if (!alone(2 * context, is_mixed) || (!is_mixed && !alone(2 * context + 1, is_set))) return false;
+    state = is_mixed ? kMixedState : is_set ? kSetState : kClearState;
+    if (is_mixed && ++mixed > most_)
+      throw Error(Fault::limit, "a mask of too many squares for its length: more than " + std::to_string(most_) +
+                                    " are mixed; it is refused");
+    return true;
+  }
+
+  int given_state(int64_t x, int64_t y, int64_t side) const {
+    const int64_t right = std::min(x + side, mask_.width_), bottom = std::min(y + side, mask_.height_);
+    const uint8_t first = given_[y * mask_.width_ + x];
+    for (int64_t row = y; row < bottom; ++row) {
+      const uint8_t *const pixels = given_ + row * mask_.width_;
+      if (std::any_of(pixels + x, pixels + right, [&](uint8_t pixel) { return pixel != first; })) return kMixedState;
+    }
+    return first ? kSetState : kClearState;
+  }
+
+  int state_at(int64_t x, int64_t y, bool is_large) const {
+    if (x < 0 || y < 0 || x >= mask_.width_ || y >= mask_.height_) return kUnknownState;
+    const int32_t of_large = mask_.large_[size_t((y >> 2 * kLog) * mask_.across() + (x >> 2 * kLog))];
+    const int32_t link = is_large || of_large < 0 ? of_large : mask_.link(x, y);
+    return link >= 0              ? kMixedState
+           : link == Mask::kSet   ? kSetState
+           : link == Mask::kClear ? kClearState
+                                  : kUnknownState;
+  }
+
+  bool code_pixels(int64_t x, int64_t y, Mask::Pixels &pixels, bool &has_both) {
+    Window window;
+    int first = -1;
+    for (int row = 0; row < kAbove + kSmall; ++row)
+      for (int column = 0; column < kStride; ++column)
+        window[size_t(row)][size_t(column)] = mask_.at(x + column - kBeside, y + row - kAbove);
+    const int64_t columns = std::min<int64_t>(kSmall, mask_.width_ - x),
+                  rows = std::min<int64_t>(kSmall, mask_.height_ - y);
+    for (int64_t row = 0; row < rows; ++row) {
+      uint8_t *const at = window[size_t(row + kAbove)].data() + kBeside;
+      for (int64_t column = 0; column < columns; ++column) {
+        int bit = given_ ? given_[(y + row) * mask_.width_ + x + column] != 0 : 0;
+        const MixedModels::Context context = context_of(at + column);
+        if (!models_.code(bits_, context, 0, bit)) return false;
+        flags.push_back(bit);
+        at[column] = uint8_t(bit);
+        has_both |= first >= 0 && bit != first;
+        first = bit;
+        pixels[size_t(row)] = uint16_t(pixels[size_t(row)] | bit << column);
+      }
+      std::fill_n(at + columns, kStride - kBeside - columns, at[columns - 1]);  // what follows is not known
+    }
+    return true;
+  }
+
+  static MixedModels::Context context_of(const uint8_t *at) {
+    const auto bits = [&](int row, int first, int last) {
+      uint32_t all = 0;
+      for (int column = first; column <= last; ++column) all = 2 * all + at[row * kStride + column];
+      return all;
+    };
+    const uint32_t four = 2 * bits(-1, -1, 1) + bits(0, -1, -1);
+    return {{kFirst[0] + four, kFirst[1] + 4 * four + 2 * bits(0, -2, -2) + bits(-2, 0, 0),
+             kFirst[2] + (bits(-2, -1, 1) << 7 | bits(-1, -2, 2) << 2 | bits(0, -2, -1)),
+             kFirst[3] + 2 * bits(-1, -3, 3) + bits(0, -1, -1)},
+            four};
+  }
+
+  bool alone(uint32_t model, int &flag) {
+    if (!code_alone(bits_, states_[model], flag)) return false;
+    flags.push_back(flag);
+    return true;
+  }
+
+  Bits &bits_;
+  Mask &mask_;
+  const uint8_t *given_;
+  int64_t most_;
+  std::vector<BitModel> states_ = std::vector<BitModel>(1024, BitModel{kCertain / 2, 0});
+  MixedModels models_{kModels, kSets};
+};
+
+int64_t max_mixed(int64_t payload_bytes) { return kFreeMixed + kMixedPerByte * payload_bytes; }
+
+Mask Mask::read(Bytes payload, int64_t width, int64_t height) {
+  Mask mask(width, height);
+  SymbolReader reader(payload);
+  BitReader bits(reader.decoder());
+  MaskCoding coding(bits, mask, nullptr, max_mixed(int64_t(payload.size)));
+  for (int64_t y = 0; y < height; y += kSide * kSide)
+    for (int64_t x = 0; x < width; x += kSide * kSide) {
+      if (!coding.large(x, y)) SymbolReader::require_sound(Reading::kDamaged);
+      reader.record(coding.flags.data(), int64_t(coding.flags.size()));
+      coding.flags.clear();
+    }
+  reader.finish();
+  return mask;
 }
 
-bool MaskTree::is_mixed() const {
-  const auto has = [&](int32_t link) {
-    return std::any_of(levels_.begin(), levels_.end(),
-                       [&](const Links &links) { return std::find(links.begin(), links.end(), link) != links.end(); });
-  };
-  return has(kClear) && has(kSet);
+WrittenMask::WrittenMask(const uint8_t *mask, int64_t width, int64_t height) {
+  Mask written(width, height);
+  MaskCoding coding(bits, written, mask, INT64_MAX);
+  for (int64_t y = 0; y < height; y += Mask::kSide * Mask::kSide)
+    for (int64_t x = 0; x < width; x += Mask::kSide * Mask::kSide) coding.large(x, y);
+  mixed = coding.mixed;
 }
 
-void MaskTree::sample(const int64_t *x, int64_t columns, const int64_t *y, int64_t rows, uint8_t *out) const {
-  std::fill_n(out, rows * columns, uint8_t(levels_.empty()));
-  if (!levels_.empty()) Sampling{levels_, x, y, columns, out}.fill(0, 0, 0, 0, {0, rows}, {0, columns});
+int32_t Mask::link(int64_t x, int64_t y) const {
+  const int32_t large = large_[size_t((y >> 2 * kLogSide) * across() + (x >> 2 * kLogSide))];
+  if (large < 0) return large;
+  return small_[size_t(large)][size_t((y >> kLogSide & (kSide - 1)) << kLogSide | (x >> kLogSide & (kSide - 1)))];
 }
 
-int64_t MaskTree::memory() const {
-  int64_t bytes = 0;
-  for (const Links &links : levels_) bytes += int64_t(links.size() * sizeof(int32_t));
-  return bytes;
+bool Mask::is_mixed() const {
+  return !small_.empty() ||
+         std::any_of(large_.begin(), large_.end(), [&](int32_t link) { return link != large_.front(); });
+}
+
+bool Mask::at(int64_t x, int64_t y) const {
+  if (x < 0 || y < 0 || x >= width_ || y >= height_) return false;
+  if (large_.empty()) return true;
+  const int32_t square = link(x, y);
+  return square < 0 ? square == kSet : pixels_[size_t(square)][size_t(y & (kSide - 1))] >> (x & (kSide - 1)) & 1;
+}
+
+void Mask::sample(const int64_t *x, int64_t columns, const int64_t *y, int64_t rows, uint8_t *out) const {
+  if (large_.empty()) std::fill_n(out, rows * columns, uint8_t(1));
+  for (int64_t row = 0; row < rows && !large_.empty(); ++row, out += columns)
+    for (int64_t first = 0, end = 0; first < columns; first = end) {
+      while (end < columns && x[end] >> kLogSide == x[first] >> kLogSide) ++end;
+      const int32_t square = link(x[first], y[row]);
+      const unsigned pixels = square < 0 ? 0 : pixels_[size_t(square)][size_t(y[row] & (kSide - 1))];
+      if (square < 0) std::fill(out + first, out + end, uint8_t(square == kSet));
+      for (int64_t i = first; square >= 0 && i < end; ++i) out[i] = pixels >> (x[i] & (kSide - 1)) & 1;
+    }
+}
+
+int64_t Mask::memory() const {
+  return int64_t(large_.size() * sizeof(int32_t) + small_.size() * sizeof(Links) + pixels_.size() * sizeof(Pixels));
 }
 
 }  // namespace sgi

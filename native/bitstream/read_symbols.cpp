@@ -7,6 +7,28 @@
 namespace sgi {
 namespace {
 
+// order [n]: positions of the keys 0..count-1, ascending and stable; start [count + 1]: where each key's begin.
+void group_by_key(const int16_t *keys, int64_t n, int count, int32_t *order, int64_t *start) {
+  std::fill(start, start + count + 1, int64_t(0));
+  for (int64_t i = 0; i < n; ++i) ++start[keys[i] + 1];
+  for (int key = 0; key < count; ++key) start[key + 1] += start[key];
+  std::vector<int64_t> next(start, start + count);
+  for (int64_t i = 0; i < n; ++i) order[next[keys[i]]++] = int32_t(i);
+}
+
+// Puts indices in coding order back to their positions as zero-centred symbols, index - support of their table. An
+// escape, the last of a table's 2 support + 2 indices, becomes support + 1; whether there are any.
+bool ungroup_symbols(const int32_t *indices, const int32_t *order, const int16_t *tables, int64_t n,
+                     const int32_t *support, int32_t *symbols) {
+  bool any = false;
+  for (int64_t i = 0; i < n; ++i) {
+    const int32_t within = support[tables[order[i]]];
+    any |= indices[i] == 2 * within + 1;
+    symbols[order[i]] = indices[i] - within;
+  }
+  return any;
+}
+
 // Indices in coding order, and the positions that they belong to.
 struct Grouped {
   std::vector<int32_t> order, indices;
@@ -58,14 +80,6 @@ Reading read_escaped(RangeDecoder &decoder, const ZeroCentred &models, const int
 }
 
 }  // namespace
-
-bool read_categorical(RangeDecoder &decoder, const AlphabetsView &alphabets, const int16_t *keys, int64_t n,
-                      int32_t *symbols) {
-  Grouped grouped;
-  if (!grouped.read(decoder, *alphabets.models, keys, n)) return false;
-  ungroup_categorical(grouped.indices.data(), grouped.order.data(), keys, n, alphabets.symbol, alphabets.size, symbols);
-  return true;
-}
 
 Reading read_zero_centred(RangeDecoder &decoder, const ZeroCentred &models, const int16_t *keys, int64_t n,
                           int32_t *symbols) {

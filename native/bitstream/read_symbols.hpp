@@ -2,21 +2,9 @@
 #pragma once
 #include <cstdint>
 
-#include "bitstream/grouping.hpp"
 #include "bitstream/range_decoder.hpp"
 
 namespace sgi {
-
-// Alphabets of `size` symbols each: what reads them, and which symbol each index is.
-struct AlphabetsView {
-  const SymbolModels *models;  // [rows]
-  const int32_t *symbol;       // [rows, size]
-  int64_t size;
-};
-
-// The n symbols under the alphabets `keys` [n]. False where the payload does not decode.
-bool read_categorical(RangeDecoder &decoder, const AlphabetsView &alphabets, const int16_t *keys, int64_t n,
-                      int32_t *symbols);
 
 // Zero-centred tables, and what reads the exponents behind an escape.
 struct ZeroCentred {

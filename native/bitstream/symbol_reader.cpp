@@ -71,13 +71,6 @@ void SymbolReader::zero_centred(const int16_t *tables, int64_t n, int32_t *symbo
   book(part_, decoder_.content() - before);
 }
 
-void SymbolReader::categorical(const AlphabetsView &alphabets, const int16_t *rows, int64_t n, int32_t *symbols) {
-  const double before = decoder_.content();
-  if (!read_categorical(decoder_, alphabets, rows, n, symbols)) require_sound(Reading::kDamaged);
-  record(symbols, n);
-  book(part_, decoder_.content() - before);
-}
-
 void SymbolReader::record(const int32_t *symbols, int64_t n) {
   crc_ = crc32({reinterpret_cast<const uint8_t *>(symbols), 4 * size_t(n)}, crc_);
   count_ += n;

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "base/bytes.hpp"
-#include "bitstream/alphabets.hpp"
 #include "bitstream/part.hpp"
 #include "bitstream/range_decoder.hpp"
 #include "bitstream/read_symbols.hpp"
@@ -27,8 +26,6 @@ class SymbolReader {
   // Zero-centred symbols: n under one table, or each under its own.
   std::vector<int32_t> zero_centred(int table, int64_t n);
   void zero_centred(const int16_t *tables, int64_t n, int32_t *symbols);
-  // Symbols of the alphabets with these row numbers [n].
-  void categorical(const AlphabetsView &alphabets, const int16_t *rows, int64_t n, int32_t *symbols);
 
   // For what reads a part by itself: it says then what it has read, in coding order.
   RangeDecoder &decoder() { return decoder_; }

@@ -57,9 +57,9 @@ struct TileModel {
 TileModel read_tile(const Header &header, Bytes payload, int threads, Isa isa, bool checked = true,
                     int64_t memory = kAnyMemory);
 
-// Which pixels of a band hold nothing: those of the tree, without one all or none.
+// Which pixels of a band hold nothing: those of its mask, without one all or none.
 struct BandMask {
-  std::shared_ptr<MaskTree> tree;
+  std::shared_ptr<Mask> pixels;
   bool is_all = false;
 };
 

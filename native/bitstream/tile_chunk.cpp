@@ -34,7 +34,7 @@ class ChunkReader {
       chunk.is_empty = kind == kNoneValid && at_ == payload_.size;
       if (chunk.is_empty) return chunk;
       if (kind == kSomeValid)
-        chunk.masks.push_back({tree(), false});
+        chunk.masks.push_back({mask(), false});
       else if (kind == kByBand && header_.has_band_masks)
         chunk.masks = band_masks();
       else if (kind != kAllValid)
@@ -52,14 +52,14 @@ class ChunkReader {
 
   int64_t varint() { return decode_varint(payload_, at_); }
 
-  std::shared_ptr<MaskTree> tree() {
+  std::shared_ptr<Mask> mask() {
     const auto length = uint64_t(varint());
     if (length > payload_.size - at_) refuse("ends inside its mask");
     const Bytes bytes{payload_.data + at_, size_t(length)};
-    auto tree = std::make_shared<MaskTree>(MaskTree::read(bytes, rect_.width, rect_.height));
-    if (!tree->is_mixed()) refuse("a mask that says nothing");
+    auto mask = std::make_shared<Mask>(Mask::read(bytes, rect_.width, rect_.height));
+    if (!mask->is_mixed()) refuse("a mask that says nothing");
     at_ += size_t(length);
-    return tree;
+    return mask;
   }
 
   std::vector<BandMask> band_masks() {
@@ -71,7 +71,7 @@ class ChunkReader {
       if (kind == kBandAsBefore)
         masks.push_back(masks.back());
       else
-        masks.push_back({kind == kBandMasked ? tree() : nullptr, kind == kBandEmpty});
+        masks.push_back({kind == kBandMasked ? mask() : nullptr, kind == kBandEmpty});
       differ = differ || (band && kind != kBandAsBefore);
     }
     if (!differ) refuse("masks of bands that are all the same");

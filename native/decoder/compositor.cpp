@@ -124,8 +124,8 @@ class Compositor {
       const int64_t count = std::min(each, block.rows - top);
       for (int band = 0; band < masks; ++band) {
         const BandMask mask = tile.masks().empty() ? BandMask{nullptr, tile.is_empty()} : tile.masks()[size_t(band)];
-        if (mask.tree)
-          mask.tree->sample(columns.data(), block.columns, rows.data() + top, count, empty.data());
+        if (mask.pixels)
+          mask.pixels->sample(columns.data(), block.columns, rows.data() + top, count, empty.data());
         else
           std::fill(empty.begin(), empty.end(), uint8_t(mask.is_all));
         for (int64_t row = 0; row < count; ++row) {

@@ -119,10 +119,10 @@ int64_t TileRenderer::memory() const {
   if (texture_)
     bytes +=
         bytes_of(texture_->corner) + bytes_of(texture_->log_size) + texture_->amplitude_count * int64_t(sizeof(float));
-  const MaskTree *before = nullptr;
+  const Mask *before = nullptr;
   for (const BandMask &mask : masks_) {
-    if (mask.tree && mask.tree.get() != before) bytes += mask.tree->memory();
-    before = mask.tree.get();
+    if (mask.pixels && mask.pixels.get() != before) bytes += mask.pixels->memory();
+    before = mask.pixels.get();
   }
   return bytes + bytes_of(exact_);
 }

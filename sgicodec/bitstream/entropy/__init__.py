@@ -1,1 +1,1 @@
-"""Symbols to bytes and back: range coder, frequency tables, alphabets."""
+"""Symbols to bytes and back: range coder, frequency tables."""

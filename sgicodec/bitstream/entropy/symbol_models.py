@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from functools import cache, lru_cache
+from functools import cache
 from types import ModuleType
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sgicodec.bitstream.entropy.alphabets import Alphabets
 from sgicodec.bitstream.entropy.tables import escape_frequencies, frequency_tables
 from sgicodec.errors import require
 
-__all__ = ["constriction", "escape_alphabet", "symbol_model", "uniform_model", "zero_centred_model"]
+__all__ = ["constriction", "escape_model", "uniform_model", "zero_centred_model"]
 
 
 @cache
@@ -34,12 +33,6 @@ def _categorical(frequencies: NDArray[np.int64]) -> Any:
     return constriction().stream.model.Categorical((frequencies - 1).astype(np.float64), perfect=False)
 
 
-@lru_cache(maxsize=1 << 10)
-def symbol_model(frequencies: tuple[int, ...]) -> Any:
-    """A model of these frequencies; None for the single symbol that needs no coding."""
-    return None if len(frequencies) < 2 else _categorical(np.array(frequencies))
-
-
 @cache
 def zero_centred_model(table: int) -> Any:
     """That of a zero-centred table."""
@@ -47,9 +40,9 @@ def zero_centred_model(table: int) -> Any:
 
 
 @cache
-def escape_alphabet() -> Alphabets:
-    """The one of exponents behind escapes."""
-    return Alphabets(escape_frequencies())
+def escape_model() -> Any:
+    """That of exponents behind escapes."""
+    return _categorical(escape_frequencies())
 
 
 @cache

@@ -19,12 +19,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from sgicodec.bitstream.entropy.alphabets import Alphabets
 from sgicodec.bitstream.entropy.symbol_groups import IntArray, as_keys, as_values, groups
 from sgicodec.bitstream.entropy.symbol_models import (
     constriction,
-    escape_alphabet,
-    symbol_model,
+    escape_model,
     uniform_model,
     zero_centred_model,
 )
@@ -90,28 +88,6 @@ class SymbolWriter:
             bits += self._escape(values[escapes], support[escapes])
         self._record(values, bits)
 
-    def code_categorical(
-        self, symbols: ArrayLike, alphabets: Alphabets | NDArray[np.int64], contexts: ArrayLike
-    ) -> None:
-        """Symbols 0 … A−1; symbol i under row `contexts[i]` of `alphabets`, or of the frequencies of some.
-
-        Order in the stream as for `code`, by context. Raises UsageError for a symbol that cannot occur or a
-        bad row.
-        """
-        if not isinstance(alphabets, Alphabets):
-            alphabets = Alphabets(alphabets)
-        rows, size = alphabets.frequencies.shape
-        context = as_keys(contexts, rows)
-        values = as_values(symbols, context.size)
-        if np.any((values < 0) | (values >= size)):
-            raise UsageError(f"entropy: a symbol is outside 0..{size - 1}")
-        if np.any(alphabets.frequencies[context, values] == 0):
-            raise UsageError("entropy: a symbol has frequency 0 in its context")
-        order, start = groups(context, rows)
-        possible = alphabets.possible
-        self._ingroups(alphabets.rank[context, values][order], start, lambda key: symbol_model(possible[key]))
-        self._record(values, float(alphabets.bits[context, values].sum()))
-
     def code_bits(self, values: ArrayLike, n_bits: int) -> None:
         """Equally likely integers of `n_bits` (0 to 32) bits each."""
         if not 0 <= n_bits <= 32:
@@ -150,7 +126,7 @@ class SymbolWriter:
         """
         excess = np.abs(values) - support - 1
         exponent = escape_exponent(excess).astype(np.int32)
-        self._run(exponent, symbol_model(escape_alphabet().possible[0]))
+        self._run(exponent, escape_model())
         for e in distinct(exponent).tolist():
             where = np.flatnonzero(exponent == e)
             self._uniform((excess[where] + 1 - (1 << e)).astype(np.int64), e)
@@ -171,9 +147,7 @@ class SymbolWriter:
                 self._run(index[begin:end], models(key))
 
     def _run(self, index: IntArray, model: Any) -> None:
-        """Codes symbol indices under one model of constriction; None codes nothing."""
-        if model is None:
-            return
+        """Codes symbol indices under one model of constriction."""
         try:
             self._coder.encode(np.ascontiguousarray(index), model)
         except BaseException as error:

@@ -20,7 +20,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from sgicodec._native import shipped
-from sgicodec.errors import UsageError
 
 __all__ = [
     "ESCAPE_EXPONENTS",
@@ -31,7 +30,6 @@ __all__ = [
     "TABLES",
     "TOTAL",
     "FrequencyTables",
-    "bernoulli_frequencies",
     "bits_of_frequencies",
     "escape_bits",
     "escape_exponent",
@@ -96,27 +94,16 @@ def escape_exponent(excess: NDArray[np.integer]) -> NDArray[np.int32]:
 
 
 def escape_frequencies() -> NDArray[np.int64]:
-    """[1, ESCAPE_EXPONENTS] frequencies 2**−(e+1) of the exponents e, the last one as likely as the last but
+    """[ESCAPE_EXPONENTS] frequencies 2**−(e+1) of the exponents e, the last one as likely as the last but
     one: the unary prefix of an Exp-Golomb code of order 0.
     """
-    return TOTAL >> np.minimum(np.arange(1, ESCAPE_EXPONENTS + 1), ESCAPE_EXPONENTS - 1)[None, :]
+    return TOTAL >> np.minimum(np.arange(1, ESCAPE_EXPONENTS + 1), ESCAPE_EXPONENTS - 1)
 
 
 def escape_bits(excess: NDArray[np.integer]) -> NDArray[np.float64]:
     """Bits behind an escape: exponent, as many mantissa bits, sign."""
     exponent = escape_exponent(excess)
     return (np.minimum(exponent + 1, ESCAPE_EXPONENTS - 1) + exponent + 1).astype(np.float64)
-
-
-def bernoulli_frequencies(code: ArrayLike) -> NDArray[np.int64]:
-    """[…, 2] frequencies of 0 and 1 for P(1) = (code + ½) / 256, code in 0..255.
-
-    Midpoints, so that 0 and 1 are treated alike and neither is ever impossible.
-    """
-    one = (2 * np.asarray(code, np.int64) + 1) << (PRECISION - 9)
-    if np.any((one <= 0) | (one >= TOTAL)):
-        raise UsageError("Bernoulli table: the code of a probability is outside 0..255")
-    return np.stack([TOTAL - one, one], axis=-1)
 
 
 def bits_of_frequencies(frequency: ArrayLike) -> NDArray[np.float64]:

@@ -1,6 +1,6 @@
 """Small integer arrays of a tile: network weights, the base layer, the signs of the hash grid.
 
-Shapes come from the header. What the encoder chose (tables, probabilities) precedes the array as raw bits.
+Shapes come from the header. The table that the encoder chose precedes the array as raw bits.
 """
 
 from __future__ import annotations
@@ -10,13 +10,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from sgicodec import _native
 from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
-from sgicodec.bitstream.entropy.tables import (
-    TABLES,
-    bernoulli_frequencies,
-    bits_of_frequencies,
-    frequency_tables,
-)
+from sgicodec.bitstream.entropy.tables import TABLES, frequency_tables
 from sgicodec.errors import UsageError
 
 __all__ = ["base_errors", "write_base", "write_signs", "write_weights"]
@@ -33,15 +29,12 @@ def write_weights(writer: SymbolWriter, weights: ArrayLike, shape: tuple[int, ..
 
 
 def write_signs(writer: SymbolWriter, bits: ArrayLike, counts: Sequence[int]) -> None:
-    """Σ counts values 0 or 1, level after level, each level with its own probability of a 1 in eight bits."""
-    level = np.repeat(np.arange(len(counts)), counts)
-    values = _shaped(bits, (level.size,))
+    """Σ counts values 0 or 1, level after level, each level under an adaptive model of its own."""
+    values = _shaped(bits, (sum(counts),))
     if np.any((values < 0) | (values > 1)):
         raise UsageError("signs: values must be 0 or 1")
-    occurrences = np.bincount(2 * level + values, minlength=2 * len(counts)).reshape(-1, 2)  # [L, 2]
-    codes = np.argmin(occurrences @ bits_of_frequencies(bernoulli_frequencies(np.arange(256))).T, axis=1)
-    writer.code_bits(codes, 8)
-    writer.code_categorical(values, bernoulli_frequencies(codes), level)
+    signs, ones, content = _native.write_signs(values.astype(np.int32), list(counts))
+    writer.flags(signs, ones, signs, content)
 
 
 def write_base(writer: SymbolWriter, base: ArrayLike, shape: tuple[int, int, int]) -> None:

@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec import _native
-from sgicodec._native import MaskTree
 from sgicodec.bitstream.header import Header, encode_header
 from sgicodec.bitstream.parts.mask import write_mask
 from sgicodec.bitstream.varint import encode_varint
@@ -37,7 +36,7 @@ class TileChunk:
     """
 
     number: int
-    masks: tuple[MaskTree | None, ...]
+    masks: tuple[_native.Mask | None, ...]
     exact: dict[int, float]
     model: bytes | None
 
@@ -93,7 +92,7 @@ def decode_tile_chunk(header: Header, payload: bytes) -> TileChunk:
     """The parts of a payload. Raises CorruptStreamError or LimitError."""
     number, is_empty, masks, exact, model = _native.decode_tile_chunk(encode_header(header), payload)
     _, _, width, height = header.grid.rect(number)
-    nothing = MaskTree(width, height)
+    nothing = _native.Mask(width, height)
     if is_empty:
         return TileChunk(number, (nothing,), {}, None)
-    return TileChunk(number, tuple(nothing if is_all else tree for is_all, tree in masks), dict(exact), model)
+    return TileChunk(number, tuple(nothing if is_all else mask for is_all, mask in masks), dict(exact), model)

@@ -38,14 +38,11 @@ def _one_tile(header: Header, payload: bytes) -> bytes:
     return join([("H", encode_header(header)), ("T", payload), ("E", b"")])
 
 
-def _forged_mask(side: int, monkeypatch: pytest.MonkeyPatch) -> bytes:
-    """The start of a mask whose nodes are all mixed, down to four pixels: behind its end zeros follow for ever."""
-    with monkeypatch.context() as forged:
-        top = (side - 1).bit_length()
-        states = [np.full((side >> level,) * 2, 2 * (level > 0), np.uint8) for level in range(top)]
-        forged.setattr(masks, "_pyramid", lambda mask, top: states)
-        forged.setattr(masks, "MAX_NODES", side * side)
-        return masks.write_mask(np.zeros((side, side), np.bool_))[:200].rstrip(b"\0")
+def _stripes(side: int) -> np.ndarray:
+    """A mask all of whose squares are mixed, and which takes few bytes."""
+    stripes = np.zeros((side, side), np.bool_)
+    stripes[1::2] = True
+    return stripes
 
 
 @pytest.mark.parametrize("name", ["none_60k", "none_2_17", "tiny_20k", "tiny_60k"])
@@ -58,37 +55,36 @@ def test_attacks(name: str) -> None:
         assert {str(answer).partition(":")[0] for answer in found.values()} <= {"CorruptStreamError", "LimitError"}
 
 
-def test_masks_of_too_many_nodes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    mask = _forged_mask(2048, monkeypatch)
+def test_masks_of_too_many_squares(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(masks, "max_mixed", lambda payload_bytes: 1 << 30)
+    mask = masks.write_mask(_stripes(2048))
     path = tmp_path / "mixed.sgi"
     payload = b"\x02" + encode_varint(len(mask)) + mask + b"\x01"
     path.write_bytes(_one_tile(_header(width=2048, height=2048), payload))
     assert path.stat().st_size < 300
     found = within(path, MASKED, *LOOKS)
-    assert all(str(answer).startswith("LimitError: a mask of too many nodes") for answer in found.values()), found
+    assert all(str(answer).startswith("LimitError: a mask of too many squares") for answer in found.values()), found
 
 
 def test_a_mask_that_no_reader_would_take_is_not_written(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(masks, "MAX_NODES", 0)
-    monkeypatch.setattr(masks, "NODES_PER_BYTE", 1)
+    monkeypatch.setattr(masks, "max_mixed", lambda payload_bytes: payload_bytes // 4)
     dots = np.zeros((800, 800), np.bool_)
     dots[::100, ::100] = True
     with pytest.raises(PictureError, match="--tile"):
         masks.write_mask(dots)
 
 
-def test_the_most_nodes_of_a_short_mask(tmp_path: Path) -> None:
-    stripes = np.zeros((1056, 1056), np.bool_)
-    stripes[1::2] = True
+def test_the_most_squares_of_a_short_mask(tmp_path: Path) -> None:
+    stripes = _stripes(1424)
     mask = masks.write_mask(stripes)
-    path, header = tmp_path / "stripes.sgi", _header(width=1056, height=1056)
+    path, header = tmp_path / "stripes.sgi", _header(width=1424, height=1424)
     payload = b"\x02" + encode_varint(len(mask)) + mask + b"\x01"
-    (tree,) = decode_tile_chunk(header, payload).masks
-    assert tree is not None
-    np.testing.assert_array_equal(tree.at(np.arange(1056), np.arange(1056)), stripes)
+    (found,) = decode_tile_chunk(header, payload).masks
+    assert found is not None
+    np.testing.assert_array_equal(found.at(np.arange(1424), np.arange(1424)), stripes)
     path.write_bytes(_one_tile(header, payload))
-    found = within(path, MASKED, *LOOKS)
-    assert all(str(answer).startswith("CorruptStreamError") for answer in found.values()), found
+    answers = within(path, MASKED, *LOOKS)
+    assert all(str(answer).startswith("CorruptStreamError") for answer in answers.values()), answers
 
 
 def test_a_million_tiles(tmp_path: Path) -> None:

@@ -9,7 +9,6 @@ from sgicodec.bitstream.entropy.tables import (
     SCALES,
     TABLES,
     TOTAL,
-    bernoulli_frequencies,
     frequency_tables,
 )
 
@@ -47,10 +46,3 @@ def test_best_finds_the_family_and_scale_that_symbols_came_from() -> None:
     assert abs(tables.best(np.rint(rng.normal(0, 4, 20000))) - 36) <= 1  # 2**((36 − 24) / 6) = 4
     assert abs(tables.best(np.rint(rng.laplace(0, 4 / math.sqrt(2), 20000))) - (SCALES + 36)) <= 1
     assert tables.best(np.zeros(0)) == 0
-
-
-def test_bernoulli_frequencies_are_midpoints() -> None:
-    frequency = bernoulli_frequencies(np.arange(256))
-    assert np.array_equal(frequency[:, 1] * 512, (2 * np.arange(256) + 1) * TOTAL)
-    assert np.all(frequency.sum(axis=1) == TOTAL)
-    assert np.array_equal(frequency, frequency[::-1, ::-1])

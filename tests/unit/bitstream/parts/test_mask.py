@@ -9,8 +9,10 @@ import pytest
 from examples import examples
 from hypothesis import given, settings
 from hypothesis.extra.numpy import array_shapes, arrays
+from mixed_bits import MixedModels
+from reference_decoder import Bits
 
-from sgicodec._native import MaskTree, SymbolReader
+from sgicodec._native import Mask
 from sgicodec.bitstream.header import Header
 from sgicodec.bitstream.parts.mask import write_mask
 from sgicodec.bitstream.parts.tile_chunk import decode_tile_chunk
@@ -21,18 +23,18 @@ from sgicodec.profiles.default import default_spec
 MASKS = arrays(np.bool_, array_shapes(min_dims=2, max_dims=2, min_side=1, max_side=40))
 
 
-def read_mask(mask: bytes, width: int, height: int) -> MaskTree:
-    """The tree of a picture whose only tile has this mask; one that says nothing is refused."""
+def read_mask(mask: bytes, width: int, height: int) -> Mask:
+    """That of a picture whose only tile has this mask; one that says nothing is refused."""
     header = Header(width, height, "rgba", "uint8", (0.0, 255.0), "default", default_spec(4), 0, 0)
     payload = b"\2" + encode_varint(len(mask)) + mask
-    (tree,) = decode_tile_chunk(replace(header, masked="transparent"), payload).masks
-    assert tree is not None
-    return tree
+    (found,) = decode_tile_chunk(replace(header, masked="transparent"), payload).masks
+    assert found is not None
+    return found
 
 
-def pixels(tree: MaskTree, width: int, height: int) -> np.ndarray:
+def pixels(mask: Mask, width: int, height: int) -> np.ndarray:
     """The whole mask."""
-    return tree.at(np.arange(height), np.arange(width))
+    return mask.at(np.arange(height), np.arange(width))
 
 
 @settings(max_examples=examples(60))
@@ -57,45 +59,71 @@ def test_damage_is_found() -> None:
 
 
 class PageMask:
-    """docs/format.md, "Masks", one node at a time over a dictionary of states."""
+    """docs/format.md, "Masks", over dictionaries of squares and of pixels."""
 
     def __init__(self, payload: bytes, width: int, height: int) -> None:
-        self.reader, self.size = SymbolReader(payload), (height, width)
-        self.counts = {0: np.zeros((81, 2), int), 1: np.zeros((81, 3), int)}
-        self.above, self.states = {(0, 0): 2}, {(0, 0): 2}
-        for k in range(max(width - 1, height - 1, 1).bit_length() - 1, -1, -1):
-            self.above, self.states = self.states, {}
-            self.grid = -(-height >> k), -(-width >> k)
-            for y, x in np.ndindex(*self.grid):
-                if self.above[y >> 1, x >> 1] != 2:
-                    self.states[y, x] = self.above[y >> 1, x >> 1]
-            for child in range(4):
-                self.read(child, self.counts[min(k, 1)])
-        self.reader.finish()
+        self.bits, self.models, self.size = Bits(payload), MixedModels(), (height, width)
+        self.states: dict[tuple[int, int, int], int] = {}  # by side, row and column
+        self.known: dict[tuple[int, int], int] = {}
+        for y in range(0, height, 256):
+            for x in range(0, width, 256):
+                self.square(256, y, x)
+        assert self.bits.ends_well()
 
-    def known(self, y: int, x: int) -> int:
-        if not (0 <= y < self.grid[0] and 0 <= x < self.grid[1]):
-            return 2
-        return self.states.get((y, x), self.above[y >> 1, x >> 1])
+    def flag(self, number: int) -> int:
+        return self.bits.note(self.models.alone(self.bits.bit, (number,)))
 
-    def read(self, child: int, counts: np.ndarray) -> None:
-        mixed = sorted(node for node, state in self.above.items() if state == 2)
-        children = [(2 * y + (child >> 1), 2 * x + (child & 1)) for y, x in mixed]
-        places = [(y, x) for y, x in children if y < self.grid[0] and x < self.grid[1]]
-        contexts = []
-        for y, x in places:
-            sides = ((y, x - 1), (y, x + 1), (y - 1, x), (y + 1, x))
-            contexts.append(sum(w * self.known(*side) for w, side in zip((27, 9, 3, 1), sides, strict=True)))
-        weights = 1 + 2 * counts
-        frequencies = 1 + ((1 << 24) - weights.shape[1]) * weights // weights.sum(axis=1, keepdims=True)
-        frequencies[:, 0] += (1 << 24) - frequencies.sum(axis=1)
-        found = self.reader.read_categorical(frequencies, np.array(contexts, np.int16)).tolist()
-        np.add.at(counts, (contexts, found), 1)
-        self.states |= dict(zip(places, found, strict=True))
+    def state(self, side: int, y: int, x: int) -> int:
+        large = self.states.get((256, y & ~255, x & ~255), 3)
+        return self.states.get((16, y, x), 3) if side == 16 and large == 2 else large
+
+    def square(self, side: int, y: int, x: int) -> None:
+        height, width = self.size
+        near = [(y, x - side), (y - side, x), (y - side, x - side), (y - side, x + side)]
+        c = 256 * (side == 256) + sum(w * self.state(side, *at) for w, at in zip((64, 16, 4, 1), near, strict=True))
+        state = 2 if self.flag(2 * c) else self.flag(2 * c + 1)
+        self.states[side, y, x] = state
+        rows, columns = range(y, min(y + side, height)), range(x, min(x + side, width))
+        if state == 2 and side == 256:
+            for row in rows[::16]:
+                for column in columns[::16]:
+                    self.square(16, row, column)
+        elif state == 2:
+            for row in rows:
+                for column in columns:
+                    self.known[row, column] = self.pixel(row, column, y, columns)
+        else:
+            self.known |= {(row, column): state for row in rows for column in columns}
+
+    def pixel(self, y: int, x: int, top: int, columns: range) -> int:
+        def p(u: int, v: int) -> int:
+            beyond = y + v >= top and x + u > columns[-1]
+            return self.known.get((y + v, columns[-1] if beyond else x + u), 0)
+
+        def number(*around: tuple[int, int]) -> int:
+            return int("".join(str(p(*at)) for at in around), 2)
+
+        left, row = (-1, 0), [(u, -1) for u in range(-3, 4)]
+        f = number(*row[2:5], left)
+        models = (
+            f,
+            16 + 4 * f + number((-2, 0), (0, -2)),
+            80 + number((-1, -2), (0, -2), (1, -2), *row[1:6], (-2, 0), left),
+            1104 + number(*row, left),
+        )
+        return self.bits.note(self.models.bit(self.bits.bit, models, f))
 
     @property
     def pixels(self) -> np.ndarray:
-        return np.array([self.states[y, x] for y, x in np.ndindex(*self.size)], bool).reshape(self.size)
+        return np.array([self.known[y, x] for y, x in np.ndindex(*self.size)], bool).reshape(self.size)
+
+
+def test_the_page_reads_squares_of_256() -> None:
+    """Clear and set ones, mixed ones beside them, and those that the tile cuts."""
+    y, x = np.mgrid[:300, :1100]
+    mask = (x > 500) & (x + y < 1050) | ((x - 100) ** 2 + (y - 90) ** 2 < 2000)
+    np.testing.assert_array_equal(PageMask(write_mask(mask), 1100, 300).pixels, mask)
+    np.testing.assert_array_equal(pixels(read_mask(write_mask(mask), 1100, 300), 1100, 300), mask)
 
 
 @settings(max_examples=examples(30))

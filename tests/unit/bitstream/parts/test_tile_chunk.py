@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from sgicodec._native import MaskTree
+from sgicodec._native import Mask
 from sgicodec.bitstream.header import Header
 from sgicodec.bitstream.parts.tile_chunk import ExactSamples, decode_tile_chunk, encode_tile_chunk
 from sgicodec.bitstream.varint import encode_varint
@@ -28,7 +28,7 @@ def header_of(dtype: str, width: int, height: int, exact: bool = True) -> Header
     return replace(sized, masked="nodata", nodata=0.0, has_band_masks=True, has_exact=exact)
 
 
-def pixels(mask: MaskTree | None, width: int, height: int) -> np.ndarray:
+def pixels(mask: Mask | None, width: int, height: int) -> np.ndarray:
     empty = np.zeros((height, width), np.bool_)
     return empty if mask is None else mask.at(np.arange(height), np.arange(width))
 
