@@ -111,8 +111,6 @@ struct FitArguments {
   const float *rest;
   const float *steps;
   float *summary;
-  float *inputs;
-  float *product;
   float *kept;
   float *decoded;
   float *bits;

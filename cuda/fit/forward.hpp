@@ -2,23 +2,12 @@
 #pragma once
 #include "cuda/fit/state.hpp"
 #include "fit/seed_forward.hpp"
-#include "fit/seed_inputs.hpp"
 
 namespace sgi {
 
 SGI_KERNEL(summarize_seeds, kSeedThreads, FitArguments) {
   const SeedState s = state_of(a);
   for_each_seed(block, a, [&](int i) { summarize_rows(s, i, i + 1, a.decoded + int64_t(i) * s.attributes()); });
-}
-
-SGI_KERNEL(gather_inputs, kSeedThreads, FitArguments) {
-  const SeedState s = state_of(a);
-  for_each_seed(block, a, [&](int i) { gather(s, i, i + 1, nullptr); });
-}
-
-SGI_KERNEL(multiply_inputs, kSeedThreads, FitArguments) {
-  const SeedState s = state_of(a);
-  for_each_seed(block, a, [&](int i) { multiply(s, i, i + 1, nullptr); });
 }
 
 SGI_KERNEL(forward_seeds, kSeedThreads, FitArguments) {

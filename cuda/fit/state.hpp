@@ -29,8 +29,6 @@ inline SeedState state_of(const FitArguments &a) {
   s.set_networks(a.first, a.rest);
   s.set_steps(a.steps);
   s.summary = a.summary;
-  s.inputs = a.inputs;
-  s.product = a.product;
   s.kept = a.kept;
   s.decoded = a.decoded;
   s.rounding = Rounding(a.rounding);

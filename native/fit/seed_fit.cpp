@@ -34,8 +34,6 @@ void SeedFit::set_layout(const SeedsView &seeds, int64_t n, const int32_t *neigh
   neighbour_.assign(neighbour, neighbour + n * neighbours);
   const int64_t padded = (n + lanes_ - 1) / lanes_ * lanes_;
   summary_.resize(n * kSummary);
-  inputs_.resize(padded * kCommonInputs);
-  product_.resize(padded * kGroups * state_.hidden);
   kept_.resize(padded * 3 * kUnits);
   decoded_.resize(padded * state_.attributes());
   state_.count = n;
@@ -44,8 +42,6 @@ void SeedFit::set_layout(const SeedsView &seeds, int64_t n, const int32_t *neigh
   state_.seeds = {half_pixels_.data(), log_size_.data()};
   state_.neighbour = neighbour_.data();
   state_.summary = summary_.data();
-  state_.inputs = inputs_.data();
-  state_.product = product_.data();
   state_.kept = kept_.data();
   state_.decoded = decoded_.data();
 }
@@ -73,13 +69,8 @@ double SeedFit::forward(const std::array<const float *, kGroups> &values, const 
   if (s.predicts)
     over_runs([&](int64_t, int64_t begin, int64_t end, float *m) { kernel_.summarize(s, begin, end, m); });
   std::vector<double> bits((s.count + kRun - 1) / kRun);
-  over_runs([&](int64_t run, int64_t begin, int64_t end, float *m) {
-    if (s.predicts) {
-      kernel_.gather(s, begin, end, m);
-      kernel_.multiply(s, begin, end, m);
-    }
-    bits[run] = kernel_.forward(s, begin, end, out, m);
-  });
+  over_runs(
+      [&](int64_t run, int64_t begin, int64_t end, float *m) { bits[run] = kernel_.forward(s, begin, end, out, m); });
   double total = 0;
   for (double b : bits) total += b;
   return total;

@@ -37,7 +37,7 @@ class SeedFit {
   std::vector<float> opponent_, first_, rest_;
   std::vector<int32_t> half_pixels_, neighbour_;
   std::vector<int8_t> log_size_;
-  std::vector<float> summary_, inputs_, product_, kept_, decoded_, partials_;
+  std::vector<float> summary_, kept_, decoded_, partials_;
 };
 
 }  // namespace sgi

@@ -1,6 +1,7 @@
 // A block of seeds from attributes to Gaussians and bits.
 #pragma once
 #include "fit/noise.hpp"
+#include "fit/seed_inputs.hpp"
 #include "fit/seed_prediction.hpp"
 #include "model/gaussian_block.hpp"
 #include "model/value_bits.hpp"
@@ -11,14 +12,15 @@ namespace {
 // Draws or rounds, writes Gaussians and `decoded`; returns the bits of each seed, 0 for what is no seed.
 inline vf forward_block(const SeedState &s, const Block &block, const SeedGaussians &out) {
   float *decoded = s.decoded + block.number() * s.attributes() * LANES;
-  vf sum{}, loudness{};
+  vf sum{}, loudness{}, inputs[kCommonInputs + kMaxOwnInputs];
+  if (s.predicts) common_inputs(s, block, inputs);
   for (int g = 0; g < kGroups; ++g) {
     const int size = s.group_size(g), start = s.group_start(g);
     Unit units[3];
     if (s.predicts) {
-      vf own[kMaxOwnInputs], outputs[kMaxOutputs];
-      own_inputs(s, decoded, g, loudness, own);
-      evaluate(s, block, g, own, outputs);
+      vf outputs[kMaxOutputs];
+      own_inputs(s, decoded, g, loudness, inputs + kCommonInputs);
+      evaluate(s, g, inputs, outputs);
       units_of(s, block, g, outputs, loudness, units);
       keep_units(units, g, kept_units(s, block, g));
     } else if (s.rounding != Rounding::kNone) {

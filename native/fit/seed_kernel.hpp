@@ -35,8 +35,6 @@ struct SeedState : SeedModel {
   const float *base;            // [kUnits, kLevels] log2 of the base steps
   const float *gamma;           // [kGammas]
   float *summary;               // [N, kSummary]
-  float *inputs;                // [block][kCommonInputs][LANES]
-  float *product;               // [block][kGroups][hidden][LANES]: W1 times the common inputs
   float *kept;                  // [block][kUnits][mean, step, scale][LANES]: what MLP_p said last
   float *decoded;               // [block][d_A][LANES]
   Rounding rounding;
@@ -70,9 +68,6 @@ struct SeedGradients {
 struct SeedKernel {
   // What seeds tell of themselves, from exact values.
   void (*summarize)(const SeedState &s, int64_t begin, int64_t end, float *memory);
-  // Inputs that do not depend on a seed's own values, from the summaries of all seeds.
-  void (*gather)(const SeedState &s, int64_t begin, int64_t end, float *memory);
-  void (*multiply)(const SeedState &s, int64_t begin, int64_t end, float *memory);
   // Draws or rounds, writes Gaussians and `decoded`, returns bits.
   double (*forward)(const SeedState &s, int64_t begin, int64_t end, const SeedGaussians &out, float *memory);
   // Gradients of the values, and those of the steps summed over the run into sums[kSteps], where values are not exact.

@@ -2,7 +2,6 @@
 #include "fit/seed_descent.hpp"
 #include "fit/seed_forward.hpp"
 #include "fit/seed_gradients.hpp"
-#include "fit/seed_inputs.hpp"
 
 namespace sgi {
 namespace {
@@ -56,6 +55,6 @@ void backward(const SeedState &s, int64_t begin, int64_t end, const SeedGradient
 
 }  // namespace
 
-const SeedKernel SeedKernel::SGI_ISA{sgi::summarize, sgi::gather, sgi::multiply, sgi::forward, sgi::backward};
+const SeedKernel SeedKernel::SGI_ISA{sgi::summarize, sgi::forward, sgi::backward};
 
 }  // namespace sgi

@@ -7,29 +7,35 @@
 namespace sgi {
 namespace {
 
-// MLP_p at one coding step: means, scales and the refinement into `out`.
+// MLP_p at one coding step from kCommonInputs + OWN inputs: means, scales and the refinement into `out`.
 template <int OWN, int OUTPUTS>
-inline void evaluate_step(const SeedState &s, const Block &block, int group, const vf *own, vf *out) {
-  const float *product = s.product + (block.number() * kGroups + group) * s.hidden * LANES;
+inline void evaluate_step(const SeedState &s, int group, const vf *inputs, vf *out) {
+  constexpr int kWidth = kCommonInputs + OWN, kAtOnce = 4;
   const float *b1 = s.rest[group], *w2 = b1 + s.hidden, *b2 = w2 + OUTPUTS * s.hidden;
-  const float *w1 = s.first[group] + kCommonInputs;
-  constexpr int kWidth = kCommonInputs + OWN;
   for (int o = 0; o < OUTPUTS; ++o) out[o] = vf{} + b2[o];
-  for (int h = 0; h < s.hidden; ++h) {
-    vf x = load(product + h * LANES) + b1[h];
-#pragma GCC unroll 12
-    for (int c = 0; c < OWN; ++c) x += own[c] * w1[h * kWidth + c];
-    x = maxv(x, vf{});
+  for (int h = 0; h < s.hidden; h += kAtOnce) {
+    const int rows = s.hidden - h < kAtOnce ? s.hidden - h : kAtOnce;
+    vf x[kAtOnce];
+    const float *w1[kAtOnce];
+    for (int i = 0; i < kAtOnce; ++i) {
+      const int row = h + (i < rows ? i : rows - 1);
+      x[i] = vf{} + b1[row], w1[i] = s.first[group] + row * kWidth;
+    }
+    for (int c = 0; c < kWidth; ++c)
+      for (int i = 0; i < kAtOnce; ++i) x[i] += inputs[c] * w1[i][c];
+    for (int i = 0; i < rows; ++i) {
+      x[i] = maxv(x[i], vf{});
 #pragma GCC unroll 7
-    for (int o = 0; o < OUTPUTS; ++o) out[o] += x * w2[o * s.hidden + h];
+      for (int o = 0; o < OUTPUTS; ++o) out[o] += x[i] * w2[o * s.hidden + h + i];
+    }
   }
 }
 
-inline void evaluate(const SeedState &s, const Block &block, int group, const vf *own, vf *out) {
+inline void evaluate(const SeedState &s, int group, const vf *inputs, vf *out) {
   switch (group) {
-    case 0: return evaluate_step<own_input_count(0), outputs_of(0)>(s, block, 0, own, out);
-    case 1: return evaluate_step<own_input_count(1), outputs_of(1)>(s, block, 1, own, out);
-    default: return evaluate_step<own_input_count(2), outputs_of(2)>(s, block, 2, own, out);
+    case 0: return evaluate_step<own_input_count(0), outputs_of(0)>(s, 0, inputs, out);
+    case 1: return evaluate_step<own_input_count(1), outputs_of(1)>(s, 1, inputs, out);
+    default: return evaluate_step<own_input_count(2), outputs_of(2)>(s, 2, inputs, out);
   }
 }
 

@@ -14,7 +14,6 @@ from sgicodec.cuda.gpu import Gpu, GpuArray, Graph
 from sgicodec.cuda.structures import structures
 from sgicodec.cuda.tiles import CudaView, TilePasses
 from sgicodec.fit.adam import Adam
-from sgicodec.fit.context_weights import layer_shapes
 from sgicodec.fit.device_seeds import Trained
 from sgicodec.fit.noise import NoiseKey
 from sgicodec.fit.step_sizes import base_counts, gamma_names
@@ -167,8 +166,7 @@ class DeviceStep:
         """All kernels of a step, in their order."""
         given, seeds = self._arguments(kind, passes), -(-self.count // SEED_THREADS)
         if kind.predicts:
-            for kernel in ("summarize_seeds", "gather_inputs", "multiply_inputs"):
-                self.gpu.launch(kernel, seeds, SEED_THREADS, given)
+            self.gpu.launch("summarize_seeds", seeds, SEED_THREADS, given)
         self.gpu.launch("forward_seeds", seeds, SEED_THREADS, given)
         passes.bin()
         passes.over_tiles("error")
@@ -222,13 +220,12 @@ class DeviceStep:
 
     def _shapes(self) -> dict[str, tuple[int, ...]]:
         """Of what a step writes."""
-        n, channels, hidden = self.count, self.spec.channels, self.spec.context.hidden
-        attributes, common = channels + 5, layer_shapes(self.spec)[0][0][1]
+        n, channels, attributes = self.count, self.spec.channels, self.spec.channels + 5
         steps, units = sum(base_counts(self.spec)) + len(gamma_names(self.spec)), sum(base_counts(self.spec)) // LEVELS
         gaussians = {"means": (n, 2), "covariances": (n, 3), "colours": (n, channels)}
         values = {"colour": (n, channels), "shape": (n, 3), "offset": (n, 2)}
         return {
-            **{"summary": (n, SUMMARY), "inputs": (n, common), "product": (n, 3, hidden), "kept": (n, units, 3)},
+            **{"summary": (n, SUMMARY), "kept": (n, units, 3)},
             **{"decoded": (n, attributes), "slopes": (n, attributes), "bits": (n,)},
             **gaussians,
             **{f"grad_{name}": shape for name, shape in (gaussians | values).items()},
