@@ -25,13 +25,13 @@ double texture_edge(double t, bool hard) {
 }
 
 TextureAxis::TextureAxis(const OutputAxis &output, int64_t length, bool along_pixels, const CellPlaces &places)
-    : output_(output), end_(double((length + kSide - 1) / kSide * kSide)), along_pixels_(along_pixels),
-      shared_(output.is_plain()), sigma_(deviation(output.scale)), step_(sigma_ > 0 ? std::min(1.0, sigma_) : 1.0),
+    : output_(output), end_(double(texture_end(length))), along_pixels_(along_pixels), shared_(output.is_plain()),
+      sigma_(deviation(output.scale)), step_(sigma_ > 0 ? std::min(1.0, sigma_) : 1.0),
       nodes_(std::ceil(kReach * sigma_ / step_)), reach_(kTextureOverlap + nodes_ * step_) {
   for (int64_t i = 0; i < output.count; ++i) totals_.push_back(total(output.centre(i)));
   const double begin = output.centre(0) - reach_, end = output.centre(output.count - 1) + reach_;
   for (int log_size = kTextureLeast; log_size <= kTextureRoot; ++log_size) {
-    const double most = std::ldexp(end_, -log_size) - 1;
+    const double most = std::ceil(std::ldexp(end_, -log_size)) - 1;
     const int64_t low = int64_t(std::clamp(std::floor(std::ldexp(begin, -log_size)), 0.0, most + 1));
     const int64_t high = int64_t(std::clamp(std::floor(std::ldexp(end, -log_size)), -1.0, most));
     cells_[log_size - kTextureLeast] = {low, std::vector<CellAxis>(std::max<int64_t>(0, high - low + 1))};
@@ -78,7 +78,7 @@ std::pair<double, double> TextureAxis::seen(double middle, double low, double hi
   return {std::max(-nodes_, std::ceil((low - middle) / step_)), std::min(nodes_, std::floor((high - middle) / step_))};
 }
 
-// The weights of all places inside the grid.
+// The weights of all places where cells are.
 double TextureAxis::total(double middle) const {
   const auto [first, last] = seen(middle, 0, end_);
   double sum = 0;
@@ -90,7 +90,7 @@ double TextureAxis::total(double middle) const {
 int64_t TextureAxis::write_table(const Edges &edges, int64_t first, int64_t count) {
   const int side = edges.side;
   const double low = edges.begin - (edges.hard_low ? 0 : kTextureOverlap);
-  const double high = edges.begin + side + (edges.hard_high ? 0 : kTextureOverlap);
+  const double high = std::min(edges.begin + side + (edges.hard_high ? 0 : kTextureOverlap), end_);
   const int64_t at = int64_t(values_.size()), stride = along_pixels_ ? count + kTexturePadding : side;
   values_.resize(at + (along_pixels_ ? side : count) * stride);
   for (int64_t i = 0; i < count; ++i) {

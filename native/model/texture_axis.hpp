@@ -17,6 +17,13 @@ constexpr int kTexturePadding = 16;  // floats that may be read behind a row of 
 template <class T>
 using CellValues = std::array<T, 1 << (2 * kTextureRoot)>;
 
+// Where the last cells of a tile of so many pixels end, along an axis: what lies behind is of no cell of the smallest
+// size that begins inside.
+inline int64_t texture_end(int64_t length) {
+  constexpr int64_t kLeast = 1 << kTextureLeast;
+  return (length + kLeast - 1) / kLeast * kLeast;
+}
+
 // s(t): the rising edge of a window, abrupt where it is hard.
 double texture_edge(double t, bool hard);
 
@@ -74,7 +81,7 @@ class TextureAxis {
   int64_t write_table(const Edges &edges, int64_t first, int64_t count);
 
   OutputAxis output_;
-  double end_;  // of the grid of roots
+  double end_;  // of cells
   bool along_pixels_, shared_;
   double sigma_, step_, nodes_;                              // a pixel sees 2 nodes + 1 places around its centre
   double reach_;                                             // by which cells reach beyond their sides

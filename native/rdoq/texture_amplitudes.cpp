@@ -60,7 +60,8 @@ TextureAmplitudes::TextureAmplitudes(const float *planes, int channels_, int64_t
   for (auto &planes_of_size : sizes_) planes_of_size.reset(new float[size_t(width * height * channels)]);
   parallel_for(kTextureSizes * channels, threads, [&](int64_t job) {
     const int64_t size = job / channels, at = job % channels * width * height;
-    analyse_texture(planes + at, width, height, int(size) + kTextureLeast, sizes_[size].get() + at);
+    analyse_texture(planes + at, width, height, {tile_width, tile_height}, int(size) + kTextureLeast,
+                    sizes_[size].get() + at);
   });
 }
 
@@ -85,7 +86,7 @@ void TextureAmplitudes::move(const float *gradient, const int8_t *contrast, cons
     std::vector<double> sums(channels);
     parallel_for(channels, threads, [&](int64_t channel) {
       float *gain = &gains_[size_t(channel * plane)];
-      analyse_texture(gradient + channel * plane, width, height, log, gain, log_size);
+      analyse_texture(gradient + channel * plane, width, height, {tile_width, tile_height}, log, gain, log_size);
       each_cell_row(
           width, height, log, log_size, steps.growth(int(channel), log), &root_steps[channel * roots],
           [&](int64_t at, const CellRow &step) { sums[size_t(channel)] += double(weigh(gain + at, step, 1 << log)); });

@@ -30,9 +30,9 @@ class Atoms {
       }
   }
   int reach() const { return side_ + 2 * kOverlap; }
-  // Those of the cell that begins at pixel `begin` of `length`.
-  const float *of(int64_t begin, int64_t length) const {
-    return values_[(begin == 0) | (begin + side_ == length ? 2 : 0)].data();
+  // Those of the cell that begins at pixel `begin`, where the last one ends at `end`.
+  const float *of(int64_t begin, int64_t end) const {
+    return values_[(begin == 0) | (begin + side_ == end ? 2 : 0)].data();
   }
 
  private:
@@ -57,19 +57,20 @@ void copy_around(const float *plane, int64_t width, int64_t height, int64_t x, i
 
 }  // namespace
 
-void analyse_texture(const float *plane, int64_t width, int64_t height, int log, float *amplitudes,
+void analyse_texture(const float *plane, int64_t width, int64_t height, TileSides tile, int log, float *amplitudes,
                      const uint8_t *log_size) {
   static const Isa isa = choose_isa("auto");
   const auto &kernel = kernel_for<TextureTransformKernel>(isa);
   const Atoms &all = atoms(log);
   const int side = 1 << log, reach = all.reach();
+  const int64_t right = texture_end(tile.width), bottom = texture_end(tile.height);
   std::vector<float> pixels(size_t(reach * reach));
   for (int64_t y = 0; y < height; y += side)
     for (int64_t x = 0; x < width; x += side) {
       float *out = amplitudes + y * width + x;
       if (!is_of_size(log_size, width, x, y, log)) continue;
       copy_around(plane, width, height, x - kOverlap, y - kOverlap, reach, pixels.data());
-      kernel.transform(pixels.data(), side, all.of(x, width), all.of(y, height), out, width);
+      kernel.transform(pixels.data(), side, all.of(x, right), all.of(y, bottom), out, width);
     }
 }
 

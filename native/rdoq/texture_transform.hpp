@@ -11,10 +11,15 @@ inline bool is_of_size(const uint8_t *log_size, int64_t width, int64_t x, int64_
   return !log_size || log_size[y / kUnit * (width / kUnit) + x / kUnit] == log;
 }
 
-// plane [height, width], multiples of 32, to amplitudes [height, width]: those of a cell [n, n] where its pixels are.
-// log_size [height / 8, width / 8]: as in TextureField, of a layer whose cells alone are looked at; amplitudes
-// elsewhere stay as they are. Null for all cells.
-void analyse_texture(const float *plane, int64_t width, int64_t height, int log, float *amplitudes,
+// Pixels of a tile, of which a layer has whole roots.
+struct TileSides {
+  int64_t width, height;
+};
+
+// plane [height, width], multiples of 32, of a tile, to amplitudes [height, width]: those of a cell [n, n] where its
+// pixels are. log_size [height / 8, width / 8]: as in TextureField, of a layer whose cells alone are looked at;
+// amplitudes elsewhere stay as they are. Null for all cells.
+void analyse_texture(const float *plane, int64_t width, int64_t height, TileSides tile, int log, float *amplitudes,
                      const uint8_t *log_size = nullptr);
 
 }  // namespace sgi

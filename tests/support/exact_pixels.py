@@ -372,7 +372,7 @@ class Atoms:
     """Those of an axis of a tile of so many pixels, as output pixels see them."""
 
     def __init__(self, view: View, length: int) -> None:
-        self.view, self.end = view, float((length + 31) // 32 * 32)
+        self.view, self.end = view, float((length + 7) // 8 * 8)
         self.sigma = math.sqrt(PIXEL_VARIANCE * max(0.0, 1 - view.scale * view.scale)) / view.scale
         self.step = min(1.0, self.sigma) if self.sigma > 0 else 1.0
         self.nodes = math.ceil(3.5 * self.sigma / self.step)
@@ -388,7 +388,7 @@ class Atoms:
     def of(self, corner: int, side: int, pixel: int) -> F32:
         """φ_k [n] at an output pixel."""
         hard_low, hard_high = corner == 0, corner + side == self.end
-        low, high = corner - (0 if hard_low else 4), corner + side + (0 if hard_high else 4)
+        low, high = corner - (0 if hard_low else 4), min(corner + side + (0 if hard_high else 4), self.end)
         middle, sums = self.view.place(pixel, 0.5), [0.0] * side
         nodes = self.seen(middle, low, high)
         for node in nodes:

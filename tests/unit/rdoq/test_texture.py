@@ -44,6 +44,17 @@ def squared_error(residual: np.ndarray, layer: TextureSymbols) -> float:
     return float(((residual - layer.layer().draw()).astype(np.float64) ** 2).sum())
 
 
+@pytest.mark.parametrize("width", [96, 97, 100, 104, 112, 120, 125])
+@pytest.mark.parametrize("height", [64, 72, 75, 80])
+def test_fine_steps_show_all_up_to_the_edges(residual: np.ndarray, width: int, height: int) -> None:
+    """Wherever a tile ends: in the middle of a root, of a cell, or where cells of 8 pixels end."""
+    part = np.ascontiguousarray(residual[:, :height, :width])
+    layer = TextureSearch(part).at(TextureSteps(140, SAME), 1e-3, None)
+    assert layer is not None
+    error = np.abs(part - layer.layer().draw())
+    assert error.max() < 1.5 * TextureSteps(140, SAME).of_channels.max()
+
+
 @pytest.mark.parametrize("has_contrast", [False, True])
 @pytest.mark.parametrize("colours", [SAME_COLOURS, OTHERS])
 def test_symbols_are_counted_by_magnitude(
