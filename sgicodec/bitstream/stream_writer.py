@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Iterable
-from typing import Any, BinaryIO
+from typing import BinaryIO
 
 from sgicodec.bitstream.chunks import METADATA
 from sgicodec.bitstream.container import ChunkWriter
@@ -12,7 +11,7 @@ from sgicodec.bitstream.header import Header, encode_header
 from sgicodec.bitstream.index import Place, encode_index
 from sgicodec.picture import Metadata
 
-__all__ = ["stream_length", "write_stream"]
+__all__ = ["write_stream"]
 
 
 def write_stream(
@@ -47,21 +46,3 @@ def write_stream(
         writer.write("X", encode_index(places, writer.offset))
     writer.finish()
     return writer.offset
-
-
-def stream_length(
-    header: Header,
-    software: bytes,
-    metadata: Metadata | None,
-    lengths: Iterable[int],
-    overview: bytes | None = None,
-) -> int:
-    """That of a stream whose tiles have payloads of these lengths."""
-    return write_stream(_Nowhere(), header, software, metadata, map(bytes, lengths), overview)
-
-
-class _Nowhere(io.BytesIO):
-    """Takes everything and keeps nothing."""
-
-    def write(self, data: Any, /) -> int:
-        return len(data)

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, BinaryIO
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 from sgicodec.bitstream.stream_writer import write_stream
 from sgicodec.decoder.stream import open_stream
@@ -24,9 +24,9 @@ from sgicodec.encoder.quality_calibration import with_quality_calibration
 from sgicodec.encoder.residual import Layer, residual_layer
 from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.encoder.tiles.checkpoint import fingerprint
-from sgicodec.encoder.tiles.passes import Finished, TilePasses
+from sgicodec.encoder.tiles.passes import tile_pass
 from sgicodec.encoder.tiles.runner import TileRunner, one_blas_thread, within_memory
-from sgicodec.encoder.tiles.store import Store
+from sgicodec.encoder.tiles.store import Store, Version
 from sgicodec.encoder.tiles.tasks import FitTask
 from sgicodec.errors import TargetMissedError, UsageError
 from sgicodec.executors.executor import Executor
@@ -35,8 +35,9 @@ from sgicodec.files.whole import whole_file
 from sgicodec.metrics.distortion import decibels, squared_error
 from sgicodec.metrics.visual_score import visual_score
 from sgicodec.picture import Picture, to_rgb8
-from sgicodec.rate_control.step_search import step_shift
-from sgicodec.rate_control.target import Measured
+from sgicodec.profiles.default import lmbda_of_quality
+from sgicodec.rate_control.quality_search import searched_quality
+from sgicodec.rate_control.target import Measured, RateTarget
 
 if TYPE_CHECKING:
     from sgicodec.image.source import Source
@@ -113,58 +114,71 @@ def encode_picture(
     windows, plan = without_needless_alpha(windows, plan, listener)
     where = Path(output) if isinstance(output, str) else output
     with locked(where) if isinstance(where, Path) else nullcontext():
-        settings = plan.settings
-        if settings.target is not None and settings.max_error is None:
-            first = with_graphics(windows, _at_quality(windows, plan, _FIRST_QUALITY))
-            if first.layer is not None:
-                request = _Request(windows, windows, plan, None, where, listener, device, verify)
-                return _at_target(request, first, executor)
-        request = _request(windows, with_graphics(windows, plan), where, listener, device, verify)
+        request = _Request(windows, plan, with_graphics, where, listener, device, verify)
         return _encoded(request, executor, store)
 
 
 def encode_all_channels(picture: Picture, settings: EncodeSettings, device: Device = ALL_CORES) -> bytes:
-    """The stream of a picture in memory with all its channels, an alpha that says nothing too: for those who promise
-    a shape. Raises as `encode_picture`.
+    """The stream of a picture in memory with all its channels, an alpha that says nothing too, and none of it divided:
+    for those who promise a shape. Raises as `encode_picture`.
     """
     windows = windows_of(picture)
-    plan = with_quality_calibration(windows, stream_plan(windows.shape, settings))
-    layer = None if settings.max_error is None else Layer(windows, settings.max_error)
-    return _encoded(_Request(windows, windows, plan, layer, None, NullListener(), device, False)).data
+    plan = stream_plan(windows.shape, settings)
+    return _encoded(_Request(windows, plan, _undivided, None, NullListener(), device, False)).data
+
+
+def _undivided(windows: Windows, plan: Plan) -> Division:
+    asked = plan.settings.max_error
+    return Division(windows, plan, None if asked is None else Layer(windows, asked))
+
+
+_SEED_QUALITIES = 4
+"""Steps of quality between those at which seeds are fitted on the way to a target. Half an octave of λ beside that of
+texture costs nothing: two octaves cost 0.1 dB (docs/notes/2026-11-texture.md)."""
 
 
 @dataclass(frozen=True)
 class _Request:
-    """What `encode_picture` was asked for, and what follows: `below` is what tiles show of the picture."""
+    """What `encode_picture` was asked for. divided: what tiles show of the picture, and what a residual layer does."""
 
     windows: Windows
-    below: Windows
     plan: Plan
-    layer: Layer | None
+    divided: Callable[[Windows, Plan], Division]
     output: Path | BinaryIO | None
     listener: NullListener
     device: Device
     verify: bool
 
-    def error(self, stream: bytes | Path | BinaryIO) -> float:
-        """Squared error over all samples of what a stream decodes to, in 0..1, but for colours where alpha is 0. Raises
-        StreamError if it does not decode.
+    @property
+    def target(self) -> RateTarget | None:
+        """What the stream is to end at."""
+        return self.plan.settings.rate_target(self.plan.header.width * self.plan.header.height)
+
+    def at_quality(self, quality: float, **changes: Any) -> Plan:
+        """The plan at a quality, also one beyond those that have a name, without its target, of which the stream tells
+        nevertheless. Seeds are those of a round number: sizes follow the texture, which moves less by chance.
         """
-        read = self.windows.read
-        with open_stream(stream, self.device.processor) as opened:
-            return sum(squared_error(read(0, top, band.width, band.height), band) for top, band in opened.bands())
+        seeds = _SEED_QUALITIES * round(quality / _SEED_QUALITIES)
+        named: dict[str, float] = {"quality": seeds} if 1 <= seeds <= 100 else {"lmbda": lmbda_of_quality(seeds)}
+        settings = self.plan.settings.without_target(**named, tune=self.plan.settings.tuned_for, **changes)
+        plan = stream_plan(self.windows.shape, settings)
+        return replace(plan, software=self.plan.software, texture_lmbda=lmbda_of_quality(quality))
 
     def psnr(self, stream: bytes | Path | BinaryIO) -> float:
-        """The same as PSNR in dB."""
-        header = self.plan.header
-        return decibels(self.error(stream), header.width * header.height * header.spec.channels)
+        """PSNR in dB over all samples of what a stream decodes to, but for colours where alpha is 0. Raises StreamError
+        if it does not decode.
+        """
+        read, header = self.windows.read, self.plan.header
+        with open_stream(stream, self.device.processor) as opened:
+            error = sum(squared_error(read(0, top, band.width, band.height), band) for top, band in opened.bands())
+        return decibels(error, header.width * header.height * header.spec.channels)
 
     def verified(self, stream: bytes | Path | BinaryIO) -> float:
         """The PSNR of a finished stream. The listener gets to know."""
         self.listener.stage("verify")
         return self.psnr(stream)
 
-    def score(self, stream: bytes) -> float:
+    def score(self, stream: BinaryIO) -> float:
         """SSIMULACRA 2 of a finished stream."""
         header = self.plan.header
         with open_stream(stream, self.device.processor) as opened:
@@ -197,20 +211,6 @@ class _Request:
             return b"", size, psnr
 
 
-def _request(
-    windows: Windows,
-    division: Division,
-    output: Path | BinaryIO | None,
-    listener: NullListener,
-    device: Device,
-    verify: bool,
-) -> _Request:
-    """One of a picture that is divided in two."""
-    below, plan, layer = division
-    plan = with_quality_calibration(below, plan)
-    return _Request(windows, below, plan, layer, output, listener, device, verify)
-
-
 @contextmanager
 def _opened(output: Path | BinaryIO) -> Iterator[BinaryIO]:
     if isinstance(output, Path):
@@ -229,105 +229,106 @@ _NOTHING = {
 
 def _encoded(request: _Request, executor: Executor | None = None, store: Store | None = None) -> Encoded:
     """Raises TargetMissedError, with the nearest stream."""
-    plan, windows, listener = request.plan, request.below, request.listener
+    plan, windows, listener = request.plan, request.windows, request.listener
     executor, memory = within_memory(windows, plan, executor)
     listener.planned(plan, executor.workers, memory)
     listener.stage("load")
-    runner = TileRunner(windows, plan, executor, request.device)
     tiles = store if store is not None and plan.header.tile else Store()  # one tile cannot be resumed
 
     with one_blas_thread(), tiles.opened(lambda: fingerprint(plan, windows.digest())):
-        task = FitTask(plan) if plan.header.tile else FitTask(plan, listener)
-        reporter, overview = PassReporter(plan, listener), _overview_maker(plan, request.windows, runner)
-        finished = TilePasses(task, runner, tiles, reporter, request.error, overview).run()
-        layer = _residual(request, finished, tiles)
-        data, size, psnr = request.write(lambda file: _write(file, finished, tiles, layer))
-        encoded = replace(_summary(data, size, finished, tiles, layer), psnr=psnr)
+        streams = _Streams(request, executor, tiles)
+        finished, missed = (streams.of(plan), None) if request.target is None else streams.nearest(request.target)
+        data, size, psnr = request.write(lambda file: finished.write(file, tiles))
+        encoded = replace(_summary(data, size, finished, tiles), psnr=psnr)
     masked = plan.header.masked
     if masked is not None and not encoded.part_bytes.keys() - {"mask", "overview", "residual"}:
         listener.note(_NOTHING[masked])
-    if finished.missed is not None:
-        raise TargetMissedError(finished.missed, encoded)
+    if missed is not None:
+        raise TargetMissedError(missed, encoded)
     return encoded
 
 
-_FIRST_QUALITY, _STEPS_OF_SHIFT = 60.0, 0.5
-"""Of the streams that `_at_target` tries: the first, and steps of quality for a unit of the shift."""
-
-
-def _at_target(request: _Request, first: Division, executor: Executor | None) -> Encoded:
-    """The nearest of whole streams at one quality after another: what a residual layer shows of a picture, none of its
-    tiles can measure. first: at the first quality. Raises TargetMissedError with it.
+@dataclass(frozen=True)
+class _Finished:
+    """A stream but for the payloads of its tiles. plan: that of its header; chosen: which coding of each tile it takes;
+    overview: a stream of its own.
     """
-    plan, windows, tried = request.plan, request.windows, dict[float, tuple[Encoded, Measured]]()
-    target = plan.settings.rate_target(plan.header.width * plan.header.height)
-    assert target is not None
 
-    def measure(shift: float) -> Measured:
-        quality = min(max(_FIRST_QUALITY - _STEPS_OF_SHIFT * shift, 1.0), 100.0)
-        division = with_graphics(windows, _at_quality(windows, plan, quality)) if shift else first
-        encoded = _encoded(_request(windows, division, None, request.listener, request.device, False), executor)
-        data = encoded.data
-        measured = target.measure(len(data), lambda: request.psnr(data), lambda: request.score(data))
-        tried[shift] = encoded, measured
-        return measured
+    plan: Plan
+    chosen: list[Version]
+    overview: bytes | None
+    residual: bytes | None = None
 
-    found, measured = tried[step_shift(target, measure)]
-    data, size, psnr = request.write(lambda file: file.write(found.data))
-    encoded = replace(found, data=data, written=size, psnr=psnr)
-    if target.is_missed(measured):
-        raise TargetMissedError(target.miss_message(measured), encoded)
-    return encoded
+    def write(self, file: BinaryIO, store: Store) -> int:
+        """Writes the stream; returns its length."""
+        plan, tiles = self.plan, map(store.payload, self.chosen)
+        return write_stream(file, plan.header, plan.software, plan.metadata, tiles, self.overview, self.residual)
 
 
-def _at_quality(windows: Windows, plan: Plan, quality: float) -> Plan:
-    """The plan at a quality, without its target, of which the stream tells nevertheless."""
-    settings = plan.settings.without_target(quality=quality, tune=plan.settings.tuned_for)
-    return replace(stream_plan(windows.shape, settings), software=plan.software)
+class _Streams:
+    """Streams of one picture, a pass over its tiles each."""
 
+    def __init__(self, request: _Request, executor: Executor, store: Store) -> None:
+        self._request, self._executor, self._store = request, executor, store
+        self._passes = 0
 
-def _residual(request: _Request, finished: Finished, store: Store) -> bytes | None:
-    """The payload of the residual layer, if there is to be one."""
-    if request.layer is None:
-        return None
-    request.listener.stage("residual")
-    with tempfile.TemporaryFile() as file:
-        _write(file, finished, store, None)
-        file.seek(0)
-        with open_stream(file, request.device.processor) as stream:
-            return residual_layer(stream, request.layer, request.device)
+    def of(self, plan: Plan, name: str = "tiles") -> _Finished:
+        """The stream of a plan, whatever its target. Raises TileFailedError; the store then has what was finished."""
+        request, index = self._request, self._passes
+        self._passes += 1
+        below, plan, layer = request.divided(request.windows, plan)
+        if request.target is None:  # which looks as it will: λ alone moves sizes by as little as is wanted
+            plan = with_quality_calibration(below, plan)
+        runner, reporter = TileRunner(below, plan, self._executor, request.device), PassReporter(plan, request.listener)
+        overview = self._overview(plan, index, runner, reporter) if takes_overview(plan) else None
+        task = FitTask(plan) if plan.header.tile else FitTask(plan, request.listener)
+        numbers = range(plan.header.grid.count)
+        chosen = tile_pass(name, index, task, numbers, runner, self._store, reporter)
+        header = self._store.tiles[chosen[-1]].header
+        finished = _Finished(plan if header is None else replace(plan, header=header), chosen, overview)
+        return finished if layer is None else replace(finished, residual=self._residual(finished, layer))
 
+    def nearest(self, target: RateTarget) -> tuple[_Finished, str | None]:
+        """The stream that comes nearest to a target, and how it misses that, if it does."""
+        request, settings, tried = self._request, self._request.plan.settings, dict[float, tuple[_Finished, Measured]]()
 
-def _write(file: BinaryIO, finished: Finished, store: Store, residual: bytes | None) -> int:
-    plan = finished.plan
-    tiles = map(store.payload, finished.chosen)
-    return write_stream(file, plan.header, plan.software, plan.metadata, tiles, finished.overview, residual)
+        def measure(quality: float) -> Measured:
+            finished = self.of(request.at_quality(quality))
+            tried[quality] = finished, self._measured(finished, target)
+            return tried[quality][1]
 
+        def draft(quality: float) -> Measured:
+            plan = request.at_quality(quality, effort=1, overview=False)
+            return self._measured(self.of(plan, "drafts"), target)
 
-def _summary(data: bytes, size: int, finished: Finished, store: Store, residual: bytes | None) -> Encoded:
-    """The figures of a stream from those of its tiles."""
-    tiles = [store.tiles[version] for version in finished.chosen]
-    parts: Counter[str] = Counter()
-    for tile in tiles:
-        parts.update(tile.part_bytes)
-    if finished.overview:
-        parts["overview"] = len(finished.overview)
-    if residual:
-        parts["residual"] = len(residual)
-    seeds = sum(tile.seeds for tile in tiles)
-    steps = [tile.steps for tile in tiles if tile.steps]
-    by_tile = {version.tile: tile.fitted_by for version, tile in store.tiles.items() if tile.fitted_by}
-    return Encoded(
-        data,
-        dict(parts),
-        seeds,
-        seeds * finished.plan.header.spec.per_seed,
-        finished.lmbda,
-        round(sum(steps) / max(1, len(steps))),
-        any(tile.ended_early for tile in tiles),
-        devices=dict(Counter(by_tile.values())),
-        written=size,
-    )
+        has_drafts = settings.steps is None and settings.effort > 1
+        ending = request.listener.ending if not request.plan.header.tile else lambda: False
+        finished, measured = tried[searched_quality(target, measure, draft if has_drafts else None, ending)]
+        return finished, target.miss_message(measured) if target.is_missed(measured) else None
+
+    def _measured(self, finished: _Finished, target: RateTarget) -> Measured:
+        """What a stream is, as far as the target asks."""
+        with tempfile.TemporaryFile() as file:
+            size = finished.write(file, self._store)
+            file.seek(0)
+            return target.measure(size, lambda: self._request.psnr(file), lambda: self._request.score(file))
+
+    def _overview(self, plan: Plan, index: int, runner: TileRunner, reporter: PassReporter) -> bytes:
+        def made() -> bytes:
+            reporter.begin("overview", [], {})
+            task = _OverviewTask(overview_settings(plan, plan.settings.fit_settings().lmbda))
+            return dict(runner(task, [0], window=overview_picture(plan, self._request.windows.read)))[0]
+
+        return self._store.cached(f"overview {index}", made)
+
+    def _residual(self, finished: _Finished, layer: Layer) -> bytes:
+        """The payload of the residual layer."""
+        self._request.listener.stage("residual")
+        with tempfile.TemporaryFile() as file:
+            finished.write(file, self._store)
+            file.seek(0)
+            with open_stream(file, self._request.device.processor) as stream:
+                return residual_layer(stream, layer, self._request.device)
 
 
 @dataclass(frozen=True)
@@ -336,16 +337,31 @@ class _OverviewTask:
 
     settings: EncodeSettings
 
-    def __call__(self, number: int, window: Picture, start: bytes, device: Device) -> bytes:
+    def __call__(self, number: int, window: Picture, device: Device) -> bytes:
         """The stream of `window`."""
         return encode_all_channels(window, self.settings, device)
 
 
-def _overview_maker(plan: Plan, windows: Windows, runner: TileRunner) -> Callable[[float], bytes] | None:
-    """What makes the overview of a stream whose tiles are fitted at a λ, if it is to have one."""
-
-    def made(lmbda: float) -> bytes:
-        task = _OverviewTask(overview_settings(plan, lmbda))
-        return dict(runner(task, [0], window=overview_picture(plan, windows.read)))[0]
-
-    return made if takes_overview(plan) else None
+def _summary(data: bytes, size: int, finished: _Finished, store: Store) -> Encoded:
+    """The figures of a stream from those of its tiles."""
+    tiles = [store.tiles[version] for version in finished.chosen]
+    parts: Counter[str] = Counter()
+    for tile in tiles:
+        parts.update(tile.part_bytes)
+    if finished.overview:
+        parts["overview"] = len(finished.overview)
+    if finished.residual:
+        parts["residual"] = len(finished.residual)
+    seeds = sum(tile.seeds for tile in tiles)
+    steps = [tile.steps for tile in tiles if tile.steps]
+    return Encoded(
+        data,
+        dict(parts),
+        seeds,
+        seeds * finished.plan.header.spec.per_seed,
+        tiles[-1].lmbda,
+        round(sum(steps) / max(1, len(steps))),
+        any(tile.ended_early for tile in tiles),
+        devices=dict(Counter(tile.fitted_by for tile in tiles if tile.fitted_by)),
+        written=size,
+    )

@@ -75,6 +75,8 @@ class Plan:
     """Whether colours are those of eight bits, stretched to the range and rounded."""
     calibrated_quality: float | None = None
     """The quality to whose mean score the only tile is brought, None where λ alone says what it looks like."""
+    texture_lmbda: float | None = None
+    """λ of texture, where it is not that of the tiles."""
 
     def of_header(self, window: Picture) -> Picture:
         """A window as the header describes its samples, without metadata."""
@@ -90,7 +92,7 @@ class Plan:
 
     def at(self, lmbda: float, quality: int) -> Plan:
         """The same for tiles that are fitted at λ, whatever the target, with this index of the base colour step."""
-        settings = self.settings.at_lmbda(lmbda, low_effort=self.settings.is_hurried)
+        settings = self.settings.at_lmbda(lmbda)
         return replace(self, header=replace(self.header, quality=quality), settings=settings)
 
 
@@ -100,8 +102,6 @@ def stream_plan(shape: Shape, settings: EncodeSettings) -> Plan:
     profile = settings.chosen_profile
     _check_shape(shape)
     spec = _with_texture_that_fits(profile.spec(settings, shape.bands), grid)
-    if settings.target is not None and not spec.texture:
-        raise UsageError(f"{settings.target}: a tile of this size has no texture, by which it is reached; add --tile")
     if settings.tuned_for == "visual" and shape.channels in COLOURED_LAYOUTS:
         spec = replace(spec, luma_space=True)
     _check_model(spec, grid)

@@ -85,10 +85,6 @@ class EncodeSettings:
     """Levels by which no sample may be off, alpha by none; floats by so much: a residual layer sees to it. 0 is without
     loss; None for no layer, but for text, line art and screens that take no more bytes so.
     """
-    low_effort: bool | None = None
-    """Whether a fit beneath texture leaves out what gains little for its time; None for those without a target, whose
-    estimates were measured with all of it.
-    """
 
     @property
     def chosen_profile(self) -> Profile:
@@ -114,8 +110,7 @@ class EncodeSettings:
         """Whether most steps of a fit beneath texture are at half size, and short ones leave out what gains little for
         its time.
         """
-        asked = self.target is None if self.low_effort is None else self.low_effort
-        return asked and self.texture and self.profile == "default"
+        return self.texture and self.profile == "default"
 
     @property
     def chosen_effort(self) -> Effort:
@@ -229,8 +224,6 @@ class EncodeSettings:
             raise UsageError(f"the {self.profile} profile is not tuned for the eye")
         if targets and not self.chosen_profile.has_targets:
             raise UsageError(f"{targets[0]} is a setting of the default profile")
-        if targets and not self.texture:
-            raise UsageError(f"{targets[0]} is reached by the step of texture; it does not go without texture")
         for other in PROFILES.values():
             for name in other.own_choices if other.name != self.profile else ():
                 if getattr(self, name) is not None:

@@ -1,1 +1,1 @@
-"""From what was asked for to λ: targets, R-D models, searches. Pure functions of numbers."""
+"""From what was asked for to a quality: targets, and the search. Pure functions of numbers."""

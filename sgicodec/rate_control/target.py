@@ -7,14 +7,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-__all__ = ["LMBDA_MAX", "LMBDA_MIN", "TARGETS", "Measured", "RateTarget", "Target"]
+__all__ = ["TARGETS", "Measured", "RateTarget", "Target"]
 
-LMBDA_MIN, LMBDA_MAX = 1e-6, 4.0
-"""Range of λ in which rate control searches."""
 SIZE_MIN_FRACTION = 0.97
 """Least part of the size that was asked for."""
-SIZE_AIM_FRACTION = 0.99
-"""Part of the size at which the rate error is zero: in the upper half of what is allowed."""
+SIZE_AIM_FRACTION = 0.985
+"""Part of the size at which the rate error is zero: in the middle of what is allowed."""
 PSNR_TOLERANCE_DB = 0.1
 """How far a PSNR may lie from the one that was asked for."""
 SIZE_OCTAVES_PER_LMBDA_OCTAVE = 0.65
@@ -24,8 +22,6 @@ SCORE_TOLERANCE = 1.0
 """How far a SSIMULACRA 2 score may lie from the one that was asked for."""
 SCORE_PER_LMBDA_OCTAVE = 8.0
 """Of photographs between scores of 40 and 80; below, an octave takes more."""
-SCORE_LMBDA, SCORE_AT_LMBDA = 0.5 * 2.0 ** (-49 / 8), 60.0
-"""λ of quality 50, and the score that photographs have there: where the search for a score begins."""
 PSNR_MAX_DB = 200.0
 """Stands for the infinite PSNR of a picture without error."""
 
@@ -55,8 +51,6 @@ class _Quantity:
     """Whether it is bytes, of which there may be no more, rather than a quality, which may not be less."""
     largest: float = math.inf
     """Stands for all above."""
-    usual: tuple[float, float] | None = None
-    """λ, and what photographs have there, of what no R-D model predicts."""
 
 
 _QUANTITIES = {
@@ -79,7 +73,6 @@ _QUANTITIES = {
         near=lambda wanted: (wanted - SCORE_TOLERANCE, wanted + SCORE_TOLERANCE),
         asked="SSIMULACRA 2 {:g}",
         reached="best reaches {:.1f}",
-        usual=(SCORE_LMBDA, SCORE_AT_LMBDA),
     ),
 }
 """By the field of `Measured` and of `RateTarget`."""
@@ -128,34 +121,10 @@ class RateTarget:
         (low, high), found = _QUANTITIES[name].near(wanted), getattr(measured, name)
         return bool(found > high if _QUANTITIES[name].is_size else found < low)
 
-    @property
-    def usual_lmbda(self) -> float | None:
-        """λ at which photographs have it, where no R-D model predicts it."""
-        name, wanted = self._asked()
-        quantity = _QUANTITIES[name]
-        if quantity.usual is None:
-            return None
-        lmbda, value = quantity.usual
-        return float(lmbda * 2.0 ** ((value - wanted) / quantity.per_octave))
-
     def nearest(self, streams: Sequence[Measured]) -> int:
         """Index of the stream with the least rate error, among those that do not miss the target if there are any."""
         sound = [index for index, measured in enumerate(streams) if not self.is_missed(measured)]
         return min(sound or range(len(streams)), key=lambda index: abs(self.rate_error(streams[index])))
-
-    def best(self, streams: Sequence[Measured]) -> int:
-        """Index of the stream with the fewest bytes for what it shows, among those that meet a PSNR or a score if there
-        are any; else of the nearest.
-        """
-        met = [index for index, measured in enumerate(streams) if self.bytes is None and self.is_met(measured)]
-        if not met:
-            return self.nearest(streams)
-
-        def cost(index: int) -> float:
-            octaves = SIZE_OCTAVES_PER_LMBDA_OCTAVE * self.rate_error(streams[index])
-            return math.log2(max(streams[index].bytes, 1.0)) - octaves
-
-        return min(met, key=cost)
 
     def miss_message(self, measured: Measured) -> str:
         """What to report where the best stream misses the target."""

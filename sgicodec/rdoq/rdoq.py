@@ -17,18 +17,18 @@ def searched(
     model: TileModel,
     lmbda: float,
     settings: RdoqSettings,
-    ending: Callable[[int], bool] = lambda done: False,
+    ending: Callable[[], bool] = lambda: False,
 ) -> TileModel:
     """The model that passes find, whose attributes lie where they will be coded. Nobody looks at what a pass costs: the
     last one is as good as the best, within 0.2 % (docs/notes/2026-11-rdoq.md).
 
-    Ends early before a pass where `ending` says so of the number of passes that are done.
+    Ends early before a pass where `ending` says so.
     """
-    if ending(0):
+    if ending():
         return model
     residual = objective.residual(model)
     for done in range(settings.passes):
-        if done and ending(done):
+        if done and ending():
             break
         model, _ = descend(objective, model, residual, lmbda, settings)
     return model

@@ -43,46 +43,19 @@ class Perceptual:
     def lay(self, state: TileState) -> TileState:
         """As in `LeastSquares`, or for the quality that the plan is calibrated to."""
         state, search = state.begin_texture()
-        tuning = state.tile.tuning
-        price = tuning.price(state.lmbda)
-        state, blocks, step = self._ascended(state, search, tuning.step(state.lmbda), price, blocks_stay=True)
-        return state.with_texture(state.best_layer(search, step, price, blocks), state.strength)
-
-    def aim(self, state: TileState, search: TextureSearch, step: int) -> tuple[TileState, TextureSearch]:
-        """As in `LeastSquares`: with what the ascent made of the search."""
-        return self._ascended(state, search, step)[0], search
-
-    def lay_at(self, state: TileState, search: TextureSearch, step: int, price: float | None = None) -> TileState:
-        """As in `LeastSquares`."""
-        return state.with_texture(state.best_layer(search, step, price), state.strength)
-
-    def _ascended(
-        self,
-        state: TileState,
-        search: TextureSearch,
-        step: int,
-        price: float | None = None,
-        blocks_stay: bool = False,
-    ) -> tuple[TileState, TextureSymbols | None, int]:
-        """The tile with the restoration of layers for the eye, the last of these layers, and the step of the next one.
-        Moves what `search` looks for; blocks_stay: for the blocks of these layers alone.
-        """
-        tile, passes = state.tile, state.tile.effort.ascent_passes
-        first = state.best_layer(search, step, price)
-        state = replace(state, strength=state.best_strength(search, first))
+        tile, tuning, passes = state.tile, state.tile.tuning, state.tile.effort.ascent_passes
+        step, price = tuning.step(state.lmbda), tuning.price(state.lmbda)
+        layer = state.best_layer(search, step, price)
+        state = replace(state, strength=state.best_strength(search, layer))
         seen = (tile.unit, tile.spec.luma_space, tile.empty)
         ascent = ScoreAscent(*seen, tile.device, passes, state.strength)
         steps = CalibratedSteps(tile.plan.calibrated_quality, step, passes)
-        layer: TextureSymbols | None = None
-        score: float | None = None
         for _ in range(passes):
-            if tile.watch.ending():
+            if tile.watch.ending() or layer is None:
                 break
-            layer = first if score is None else state.best_layer(search, steps.after(score), price, layer)
-            if layer is None:
-                break
-            score = ascent.climb(search, layer, state.step_offsets, blocks_stay)
-        return state, layer, steps.after(score)
+            score = ascent.climb(search, layer, state.step_offsets)
+            layer = state.best_layer(search, steps.after(score), price, layer)
+        return state.with_texture(layer, state.strength)
 
 
 class ScoreAscent:
@@ -104,23 +77,17 @@ class ScoreAscent:
         self._mean_move = MEAN_MOVE / passes**SHORTER_BY_PASSES
         self._reference = VisualReference(self._seen(unit), device)
 
-    def climb(
-        self,
-        search: TextureSearch,
-        layer: TextureSymbols,
-        offsets: Offsets,
-        blocks_stay: bool = False,
-    ) -> float:
-        """Moves the target of `search` from the layer that it found up the gradient, that of the layer's blocks alone
-        where these stay. Returns SSIMULACRA 2 of the layer. offsets [rows, columns]: of its steps, None for none.
+    def climb(self, search: TextureSearch, layer: TextureSymbols, offsets: Offsets) -> float:
+        """Moves the target of `search` from the layer that it found up the gradient, that of the layer's blocks alone.
+        Returns SSIMULACRA 2 of the layer. offsets [rows, columns]: of its steps, None for none.
         """
         rendered = self._rendered(search, layer)
         score, gradient = self._reference.gradient(self._seen(rendered))
         gradient = self._in_unit(gradient)
         if self.empty is not None:
             gradient[:, self.empty] = 0
-        mean, blocks = self._mean_move, layer if blocks_stay else None
-        search.move(gradient, layer.steps, offsets, mean, MAX_MOVE * mean, blocks)
+        mean = self._mean_move
+        search.move(gradient, layer.steps, offsets, mean, MAX_MOVE * mean, layer)
         return score
 
     def _rendered(self, search: TextureSearch, symbols: TextureSymbols) -> F32:

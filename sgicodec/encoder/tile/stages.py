@@ -22,8 +22,7 @@ from sgicodec.encoder.tile.sharing import part_of_steps, seed_weights
 from sgicodec.encoder.tile.state import Prepared, Tile, TileState
 from sgicodec.fit.base_layer import base_layer
 from sgicodec.fit.trainer import Fitted, Trainer
-from sgicodec.model.layout import ROOT_LOG, SeedLayout, adaptive_layout, cell_sums, uniform_layout
-from sgicodec.rate_control.rd_model import RdModel
+from sgicodec.model.layout import SeedLayout, adaptive_layout, uniform_layout
 from sgicodec.rdoq import Objective, searched
 
 __all__ = [
@@ -33,7 +32,6 @@ __all__ = [
     "fit_seeds",
     "in_integers",
     "prepare",
-    "rd_model",
     "rdoq",
     "share",
     "texture",
@@ -49,12 +47,12 @@ def encode(tile: Tile) -> TileState:
     return texture(fit_seeds(tile, tile.fit.lmbda))
 
 
-def fit_seeds(tile: Tile, lmbda: float, min_passes: int = 0) -> TileState:
-    """The tile through the stages before texture, for an encode at λ. min_passes: as in `rdoq`."""
+def fit_seeds(tile: Tile, lmbda: float) -> TileState:
+    """The tile through the stages before texture, for an encode at λ."""
     prepared = prepare(tile, lmbda)
     prepared = share(prepared)
     state = fit(prepared)
-    return rdoq(state, min_passes)
+    return rdoq(state)
 
 
 def prepare(tile: Tile, lmbda: float) -> Prepared:
@@ -128,20 +126,15 @@ def with_model(prepared: Prepared, header: Header, model: TileModel) -> TileStat
     return TileState(**vars(prepared), header=header, model=model)
 
 
-def rdoq(state: TileState, min_passes: int = 0) -> TileState:
-    """The tile with the best symbols that RDOQ finds for the λ of its seeds, in at least so many passes."""
+def rdoq(state: TileState) -> TileState:
+    """The tile with the best symbols that RDOQ finds for the λ of its seeds."""
     tile = state.tile
     if not tile.has_rdoq:
         return state
     tile.watch.stage("search")
     objective = Objective(state.header, state.target, tile.device, state.weights)
-    settings, lmbda = tile.effort.rdoq, state.fit.lmbda
-    settings = replace(settings, passes=max(settings.passes, min_passes))
-
-    def ending(done: int) -> bool:
-        return done >= min_passes and tile.watch.ending()
-
-    return replace(state, model=searched(objective, state.model, lmbda, settings, ending))
+    model = searched(objective, state.model, state.fit.lmbda, tile.effort.rdoq, tile.watch.ending)
+    return replace(state, model=model)
 
 
 def texture(state: TileState) -> TileState:
@@ -150,17 +143,6 @@ def texture(state: TileState) -> TileState:
     if not tile.spec.texture:
         return state
     tile.watch.stage("texture")
+    if tile.plan.texture_lmbda is not None:
+        state = replace(state, lmbda=tile.plan.texture_lmbda)
     return STRATEGIES[tile.settings.tuned_for].lay(state)
-
-
-def rd_model(prepared: Prepared) -> RdModel:
-    """What predicts the outcome of fits."""
-    target = prepared.target
-    sums = cell_sums(target, ROOT_LOG)
-    return RdModel(sums, len(target), target[0].size, prepared.fit.split_price, _mean_weight(prepared))
-
-
-def _mean_weight(prepared: Prepared) -> float:
-    """What an error counts where the tile has detail."""
-    squares, weights = np.square(prepared.target, dtype=np.float64).sum(axis=0), prepared.tile.weights
-    return 1.0 if weights is None or not squares.any() else float(np.average(weights, weights=squares))

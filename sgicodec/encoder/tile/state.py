@@ -231,14 +231,13 @@ class TileState(Prepared):
         return replace(self, step_offsets=offsets), search
 
     def best_layer(
-        self, search: TextureSearch, step: int, price: float | None = None, blocks: TextureSymbols | None = None
+        self, search: TextureSearch, step: int, price: float, blocks: TextureSymbols | None = None
     ) -> TextureSymbols | None:
         """The layer of least cost, None where nothing is worth its bits. step: index of the lowest step; price: λ in
-        squared steps, None for what suits them; blocks: a layer whose blocks are taken, None for the best.
+        squared steps; blocks: a layer whose blocks are taken, None for the best.
         """
-        tuning = self.tile.tuning
-        price = tuning.squared_steps if price is None else price
-        return search.at(tuning.steps(step, self.tile.spec.channels), price, self.step_offsets, blocks)
+        steps = self.tile.tuning.steps(step, self.tile.spec.channels)
+        return search.at(steps, price, self.step_offsets, blocks)
 
     def best_strength(self, search: TextureSearch, layer: TextureSymbols | None) -> Strength | None:
         """With which to restore what this layer shows, None where that is better as it is."""

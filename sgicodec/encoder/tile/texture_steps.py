@@ -58,8 +58,6 @@ class TextureTuning:
     """Steps of colour differences grow with this power of the first channel's."""
     masking: float = 0.0
     """Steps grow with this power of the local standard deviation of luma, 0 for not at all (see `Masking`)."""
-    larger: float = 0.0
-    """How much larger streams are than the R-D model says, in octaves of λ."""
 
     def step(self, lmbda: float) -> int:
         """Index of the step for λ."""
@@ -98,11 +96,10 @@ TUNINGS = {
         growth=(1.5, 2.0),
         colours=7 / 8,
         masking=0.4,
-        larger=1.3,
     ),
 }
 """By what an encode is tuned for. `finer`, `growth`, _EQUAL_STEPS: docs/notes/2026-11-equal-losses.md; `masking`:
-2026-11-texture-visual.md; `larger`: 2026-11-luma-space.md; `worth`: 2026-11-restoration.md."""
+2026-11-texture-visual.md; `worth`: 2026-11-restoration.md."""
 
 
 _FLOOR, _USUAL = 7.7e-4, 3.9e-3

@@ -8,11 +8,11 @@ import atexit
 import math
 import os
 import threading
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Generic, NamedTuple, TypeVar
+from typing import Generic, TypeVar
 
 from threadpoolctl import threadpool_limits
 
@@ -28,16 +28,9 @@ from sgicodec.image.source import Source, open_source
 from sgicodec.image.used_range import SampleUse
 from sgicodec.picture import Picture
 
-__all__ = ["PictureAt", "TileJob", "TileRunner", "TileTask", "one_blas_thread", "within_memory"]
+__all__ = ["PictureAt", "TileRunner", "TileTask", "one_blas_thread", "within_memory"]
 
 Result = TypeVar("Result")
-
-
-class TileJob(NamedTuple):
-    """What a worker is sent: the pixels, or where it reads them itself, and where a search begins."""
-
-    pixels: Picture | PictureAt
-    start: bytes
 
 
 class TileRunner:
@@ -47,40 +40,37 @@ class TileRunner:
         self._windows, self._plan, self._executor, self._device = windows, plan, executor, device
 
     def __call__(
-        self,
-        task: Task[Result],
-        numbers: Sequence[int],
-        start: Callable[[int], bytes] = lambda _: b"",
-        window: Picture | None = None,
+        self, task: Task[Result], numbers: Sequence[int], window: Picture | None = None
     ) -> Iterator[tuple[int, Result]]:
-        """Results by tile, in any order. start: the payload of a tile that a search begins with; window: the pixels,
-        instead of those that a tile covers. Raises TileFailedError.
+        """Results by tile, in any order. window: the pixels, instead of those that a tile covers. Raises
+        TileFailedError.
         """
         executor, plan = self._executor, self._plan
         if not plan.header.tile:  # a listener hears of its steps, and its errors are the picture's
             tile = tile_window(self._windows, plan, 0)
-            return iter([(0, task(0, tile, start(0), self._device))])
+            return iter([(0, task(0, tile, self._device))])
         device = executor.device(self._device, len(numbers))
         there = None if executor.place is None else PictureAt(plan, executor.place, self._windows.page)
 
-        def job(number: int) -> TileJob:
-            return TileJob(window or there or tile_window(self._windows, plan, number), start(number))
+        def job(number: int) -> Picture | PictureAt:
+            """The pixels, or where a worker reads them itself."""
+            return window or there or tile_window(self._windows, plan, number)
 
         return executor.run(TileTask(task, device), numbers, job)
 
 
 @dataclass(frozen=True)
 class TileTask(Generic[Result]):
-    """Does a task to the tiles of jobs."""
+    """Does a task to tiles whose pixels are sent, or lie where a worker reads them."""
 
     task: Task[Result]
     device: Device | NamedDevice
 
-    def __call__(self, number: int, job: TileJob) -> Result:
+    def __call__(self, number: int, job: Picture | PictureAt) -> Result:
         """What the task makes of the tile. Raises PictureError where its pixels cannot be read."""
-        window = job.pixels if isinstance(job.pixels, Picture) else job.pixels.window(number)
+        window = job if isinstance(job, Picture) else job.window(number)
         with one_blas_thread():
-            return self.task(number, window, job.start, self.device.found())
+            return self.task(number, window, self.device.found())
 
 
 @dataclass(frozen=True)
@@ -151,7 +141,7 @@ def _estimate(plan: Plan, reading: int) -> Memory:
         attributes = (fit.seeds or pixels / 400) * header.spec.attributes
         fitting = pixels * channels * UNIFORM_SAMPLE_BYTES + attributes * UNIFORM_ATTRIBUTE_BYTES
         return Memory(MAIN + reading + 2 * window, WORKER + window + round(fitting), MAIN)
-    share = MAX_SEEDS  # where λ follows from a target
+    share = MAX_SEEDS  # where the quality follows from a target
     if plan.settings.target is None:
         share = min(MAX_SEEDS, USUAL_SEEDS * math.sqrt(USUAL_LMBDA / max(fit.lmbda, 1e-9)))
     fitting = pixels * (PIXEL_BYTES + CHANNEL_BYTES * channels + SEED_BYTES * share)

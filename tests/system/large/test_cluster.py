@@ -16,7 +16,7 @@ from sgicodec import EncodeSettings, encode_picture, open_source, read, write
 from sgicodec.device import ONE_THREAD
 from sgicodec.encoder.input.windows import windows_of
 from sgicodec.encoder.plan import Plan, stream_plan
-from sgicodec.encoder.tiles.runner import PictureAt, TileJob, TileTask
+from sgicodec.encoder.tiles.runner import PictureAt, TileTask
 from sgicodec.encoder.tiles.tasks import FitTask
 from sgicodec.errors import PictureError, TileFailedError, UsageError
 from sgicodec.executors.dask import open_cluster
@@ -69,7 +69,7 @@ def plan_of(photo: Path, settings: EncodeSettings) -> Plan:
 def test_workers_read_paths_and_urls(photo: Path, settings: EncodeSettings, tmp_path: Path) -> None:
     plan = plan_of(photo, settings)
     fit = TileTask(FitTask(plan), ONE_THREAD)
-    by_path, by_url = (fit(4, TileJob(PictureAt(plan, place), b"")) for place in (str(photo), photo.as_uri()))
+    by_path, by_url = (fit(4, PictureAt(plan, place)) for place in (str(photo), photo.as_uri()))
     assert by_path.payload == by_url.payload
     other = tmp_path / "other.png"
     write(Picture(np.zeros((9, 9, 3), np.uint8), "rgb", (0.0, 255.0)), other)

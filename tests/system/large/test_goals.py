@@ -57,6 +57,5 @@ def encoded(photo: Path, settings: EncodeSettings, folder: Path, workers: int, w
 def test_two_workers_give_the_same_bytes(photo: Path, goal: EncodeSettings, expected: bytes, tmp_path: Path) -> None:
     watch = Stopping()
     assert encoded(photo, goal, tmp_path, 2, watch) == expected
-    assert watch.passes[:3] == ["lookahead", "overview", "sample"]
-    assert watch.passes[3] in ("tiles", "sample")
-    assert "search" in watch.passes
+    passes = [name for name in watch.passes if name != "overview"]
+    assert set(passes) == {"tiles"}  # in stated steps, no drafts come first

@@ -37,6 +37,7 @@ class Case:
         self.offsets = Masking(TUNING, self.seen).offsets(TUNING.steps(step, 3))
         self.search = TextureSearch(self.unit - self.base, ONE_THREAD)
         self.luma_space, self.empty = luma_space, empty
+        self.blocks: TextureSymbols | None = None  # of the last layer
 
     def found(self, blocks: TextureSymbols | None = None) -> TextureSymbols:
         layer = self.search.at(TUNING.steps(self.step, 3), TUNING.squared_steps, self.offsets, blocks)
@@ -56,10 +57,11 @@ class Case:
         for _ in range(passes):
             layer = self.found(layer)
             scores.append(ascent.climb(self.search, layer, self.offsets))
+        self.blocks = layer
         return scores
 
     def decoded(self) -> NDArray[np.float32]:
-        seen: NDArray[np.float32] = np.tensordot(self.back, self.base + self.found().layer().draw(), axes=1)
+        seen: NDArray[np.float32] = np.tensordot(self.back, self.base + self.found(self.blocks).layer().draw(), axes=1)
         return seen.astype(np.float32)
 
     def score(self) -> float:
@@ -73,7 +75,7 @@ class Case:
     def bits(self) -> float:
         writer = SymbolWriter()
         with writer.part("texture"):
-            write_texture(writer, self.search.size, 3, self.found())
+            write_texture(writer, self.search.size, 3, self.found(self.blocks))
         return writer.bits["texture"]
 
 

@@ -1,0 +1,91 @@
+"""The quality search: few streams, by way of drafts, towards targets that are met or missed."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from examples import examples
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from sgicodec.rate_control.quality_search import MAX_QUALITY, MAX_STREAMS, MIN_QUALITY, Measure, searched_quality
+from sgicodec.rate_control.target import Measured, RateTarget
+
+
+class Streams:
+    """Sizes that a quality and a part of chance make, and what was asked for."""
+
+    def __init__(self, per_octave: float = 0.65, at_50: float = 20_000, noise: float = 0.0, draft: float = 1.0) -> None:
+        self.per_octave, self.at_50, self.noise, self.draft_ratio = per_octave, at_50, noise, draft
+        self.measured, self.drafted = list[float](), list[float]()
+
+    def size(self, quality: float) -> float:
+        chance = np.random.default_rng(round(1000 * (quality + 100))).uniform(-1, 1)
+        return self.at_50 * 2.0 ** (self.per_octave * (quality - 50) / 8 + self.noise * chance)
+
+    def measure(self, quality: float) -> Measured:
+        self.measured.append(quality)
+        return Measured(self.size(quality), math.inf)
+
+    def draft(self, quality: float) -> Measured:
+        self.drafted.append(quality)
+        return Measured(self.draft_ratio * self.size(quality), math.inf)
+
+
+@pytest.mark.parametrize("wanted", [3_000, 15_000, 20_000, 26_000, 200_000])
+@pytest.mark.parametrize("per_octave", [0.45, 0.65, 0.9])
+def test_drafts_leave_few_streams_to_make(wanted: float, per_octave: float) -> None:
+    streams, target = Streams(per_octave, draft=1.05), RateTarget(bytes=wanted)
+    quality = searched_quality(target, streams.measure, streams.draft)
+    assert target.is_met(Measured(streams.size(quality), math.inf))
+    assert len(streams.measured) <= 3
+    assert len(streams.drafted) <= 3
+    alone = Streams(per_octave)
+    assert target.is_met(Measured(alone.size(searched_quality(target, alone.measure)), math.inf))
+    assert len(alone.measured) <= 6
+
+
+@settings(max_examples=examples(100))
+@given(st.floats(500, 1e6), st.floats(0.2, 1.5), st.floats(0, 0.1), st.floats(0.7, 1.4))
+def test_the_end_is_the_nearest_stream_that_does_not_miss(
+    wanted: float, per_octave: float, noise: float, draft: float
+) -> None:
+    streams, target = Streams(per_octave, noise=noise, draft=draft), RateTarget(bytes=wanted)
+    quality = searched_quality(target, streams.measure, streams.draft)
+    sizes = {at: Measured(streams.size(at), math.inf) for at in streams.measured}
+    assert quality in sizes
+    assert 1 <= len(streams.measured) == len(sizes) <= MAX_STREAMS
+    assert all(MIN_QUALITY <= at <= MAX_QUALITY for at in [*streams.measured, *streams.drafted])
+    sound = [at for at in sizes if not target.is_missed(sizes[at])]
+    assert target.is_missed(sizes[quality]) == (not sound)
+    assert all(abs(target.rate_error(sizes[quality])) <= abs(target.rate_error(sizes[at])) for at in sound)
+
+
+@pytest.mark.parametrize(("wanted", "end"), [(1.0, MIN_QUALITY), (1e12, MAX_QUALITY)])
+def test_what_no_quality_has_ends_at_the_last_one(wanted: float, end: float) -> None:
+    streams = Streams()
+    assert searched_quality(RateTarget(bytes=wanted), streams.measure, streams.draft) == end
+
+
+def test_it_ends_early_with_one_stream() -> None:
+    def ends(measure: Measure, draft: Measure | None) -> float:
+        return searched_quality(RateTarget(bytes=1000.0), measure, draft, lambda: True)
+
+    streams = Streams()
+    ends(streams.measure, streams.draft)
+    assert (len(streams.drafted), len(streams.measured)) == (0, 1)
+
+
+def test_an_end_that_stays_does_not_hold_the_search_up() -> None:
+    """Sizes that hardly move below a quality, and jump behind it."""
+    measured = list[float]()
+
+    def measure(quality: float) -> Measured:
+        measured.append(quality)
+        return Measured(1000 + 3000 * max(0.0, quality - 60) ** 2, math.inf)
+
+    quality = searched_quality(RateTarget(bytes=30_000.0), measure)
+    assert 0.97 * 30_000 <= 1000 + 3000 * (quality - 60) ** 2 <= 30_000
+    assert len(measured) <= MAX_STREAMS
