@@ -12,7 +12,7 @@ from command import sgi
 
 from sgicodec import read
 from sgicodec.decoder.stream import open_stream
-from sgicodec.encoder import pipeline
+from sgicodec.encoder import streams
 from sgicodec.encoder.tile.state import Tile
 from sgicodec.encoder.tiles import tasks
 from sgicodec.files.lock import locked
@@ -119,7 +119,7 @@ def test_a_stream_that_does_not_decode_gets_no_name(
     picture: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, tile: int
 ) -> None:
     """It is verified first: the old OUT is still there."""
-    real = pipeline.write_stream
+    real = streams.write_stream
 
     def damaged(file: BinaryIO, *others: Any) -> int:
         size = real(file, *others)
@@ -127,7 +127,7 @@ def test_a_stream_that_does_not_decode_gets_no_name(
         file.write(b"damage")
         return size
 
-    monkeypatch.setattr(pipeline, "write_stream", damaged)
+    monkeypatch.setattr(streams, "write_stream", damaged)
     out = tmp_path / "a.sgi"
     out.write_bytes(b"before")
     assert sgi("encode", picture, out, "--tile", tile, "--steps", 4, "-f").exit_code == 4

@@ -1,0 +1,175 @@
+"""Streams of one picture: of a plan, or the one that comes nearest to a size, a PSNR or a score."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, BinaryIO
+
+from sgicodec.bitstream.stream_writer import write_stream
+from sgicodec.decoder.stream import open_stream
+from sgicodec.device import Device
+from sgicodec.encoder.graphics import Division
+from sgicodec.encoder.input.overview import overview_picture, overview_settings, takes_overview
+from sgicodec.encoder.input.windows import Windows
+from sgicodec.encoder.plan import Plan, stream_plan
+from sgicodec.encoder.progress import NullListener, PassReporter
+from sgicodec.encoder.quality_calibration import with_quality_calibration
+from sgicodec.encoder.residual import Layer, residual_layer
+from sgicodec.encoder.settings import EncodeSettings
+from sgicodec.encoder.tiles.passes import tile_pass
+from sgicodec.encoder.tiles.runner import TileRunner
+from sgicodec.encoder.tiles.store import Store, Version
+from sgicodec.encoder.tiles.tasks import FitTask, Task
+from sgicodec.executors.executor import Executor
+from sgicodec.metrics.distortion import decibels, squared_error
+from sgicodec.metrics.visual_score import visual_score
+from sgicodec.picture import to_rgb8
+from sgicodec.profiles.default import lmbda_of_quality
+from sgicodec.rate_control.quality_search import searched_quality
+from sgicodec.rate_control.target import Measured, RateTarget
+
+__all__ = ["Finished", "Request", "Streams"]
+
+_SEED_QUALITIES = 4
+"""Steps of quality between those at which seeds are fitted on the way to a target. Half an octave of λ beside that of
+texture costs nothing: two octaves cost 0.1 dB (docs/notes/2026-11-texture.md)."""
+
+
+@dataclass(frozen=True)
+class Request:
+    """What is asked for of a picture. divided: what tiles show of it, and what a residual layer does."""
+
+    windows: Windows
+    plan: Plan
+    divided: Callable[[Windows, Plan], Division]
+    listener: NullListener
+    device: Device
+
+    @property
+    def target(self) -> RateTarget | None:
+        """What the stream is to end at."""
+        return self.plan.settings.rate_target(self.plan.header.width * self.plan.header.height)
+
+    def at_quality(self, quality: float, **changes: Any) -> Plan:
+        """The plan at a quality, also one beyond those that have a name, without its target, of which the stream tells
+        nevertheless. Seeds are those of a round number: sizes follow the texture, which moves less by chance.
+        """
+        seeds = _SEED_QUALITIES * round(quality / _SEED_QUALITIES)
+        named: dict[str, float] = {"quality": seeds} if 1 <= seeds <= 100 else {"lmbda": lmbda_of_quality(seeds)}
+        settings = self.plan.settings.without_target(**named, tune=self.plan.settings.tuned_for, **changes)
+        plan = stream_plan(self.windows.shape, settings)
+        return replace(plan, software=self.plan.software, texture_lmbda=lmbda_of_quality(quality))
+
+    def psnr(self, stream: bytes | Path | BinaryIO) -> float:
+        """PSNR in dB over all samples of what a stream decodes to, but for colours where alpha is 0. Raises StreamError
+        if it does not decode.
+        """
+        read, header = self.windows.read, self.plan.header
+        with open_stream(stream, self.device.processor) as opened:
+            error = sum(squared_error(read(0, top, band.width, band.height), band) for top, band in opened.bands())
+        return decibels(error, header.width * header.height * header.spec.channels)
+
+    def verified(self, stream: bytes | Path | BinaryIO) -> float:
+        """The PSNR of a finished stream. The listener gets to know."""
+        self.listener.stage("verify")
+        return self.psnr(stream)
+
+    def score(self, stream: BinaryIO) -> float:
+        """SSIMULACRA 2 of a finished stream."""
+        header = self.plan.header
+        with open_stream(stream, self.device.processor) as opened:
+            shown = to_rgb8(opened.picture())
+        seen = to_rgb8(self.windows.read(0, 0, header.width, header.height))
+        return visual_score(seen, shown, self.device.processor)
+
+
+@dataclass(frozen=True)
+class Finished:
+    """A stream but for the payloads of its tiles. plan: that of its header; chosen: which coding of each tile it takes;
+    overview: a stream of its own.
+    """
+
+    plan: Plan
+    chosen: list[Version]
+    overview: bytes | None
+    residual: bytes | None = None
+
+    def write(self, file: BinaryIO, store: Store) -> int:
+        """Writes the stream; returns its length."""
+        plan, tiles = self.plan, map(store.payload, self.chosen)
+        return write_stream(file, plan.header, plan.software, plan.metadata, tiles, self.overview, self.residual)
+
+
+class Streams:
+    """Streams of one picture, a pass over its tiles each. overview_of: what makes an overview by these settings."""
+
+    def __init__(
+        self,
+        request: Request,
+        executor: Executor,
+        store: Store,
+        overview_of: Callable[[EncodeSettings], Task[bytes]],
+    ) -> None:
+        self._request, self._executor, self._store, self._overview_of = request, executor, store, overview_of
+        self._passes = 0
+
+    def of(self, plan: Plan, name: str = "tiles") -> Finished:
+        """The stream of a plan, whatever its target. Raises TileFailedError; the store then has what was finished."""
+        request, index = self._request, self._passes
+        self._passes += 1
+        below, plan, layer = request.divided(request.windows, plan)
+        if request.target is None:  # which looks as it will: λ alone moves sizes by as little as is wanted
+            plan = with_quality_calibration(below, plan)
+        runner, reporter = TileRunner(below, plan, self._executor, request.device), PassReporter(plan, request.listener)
+        overview = self._overview(plan, index, runner, reporter) if takes_overview(plan) else None
+        task = FitTask(plan) if plan.header.tile else FitTask(plan, request.listener)
+        numbers = range(plan.header.grid.count)
+        chosen = tile_pass(name, index, task, numbers, runner, self._store, reporter)
+        header = self._store.tiles[chosen[-1]].header
+        finished = Finished(plan if header is None else replace(plan, header=header), chosen, overview)
+        return finished if layer is None else replace(finished, residual=self._residual(finished, layer))
+
+    def nearest(self, target: RateTarget) -> tuple[Finished, str | None]:
+        """The stream that comes nearest to a target, and how it misses that, if it does."""
+        request, settings, tried = self._request, self._request.plan.settings, dict[float, tuple[Finished, Measured]]()
+
+        def measure(quality: float) -> Measured:
+            finished = self.of(request.at_quality(quality))
+            tried[quality] = finished, self._measured(finished, target)
+            return tried[quality][1]
+
+        def draft(quality: float) -> Measured:
+            plan = request.at_quality(quality, effort=1, overview=False)
+            return self._measured(self.of(plan, "drafts"), target)
+
+        has_drafts = settings.steps is None and settings.effort > 1
+        ending = request.listener.ending if not request.plan.header.tile else lambda: False
+        finished, measured = tried[searched_quality(target, measure, draft if has_drafts else None, ending)]
+        return finished, target.miss_message(measured) if target.is_missed(measured) else None
+
+    def _measured(self, finished: Finished, target: RateTarget) -> Measured:
+        """What a stream is, as far as the target asks."""
+        with tempfile.TemporaryFile() as file:
+            size = finished.write(file, self._store)
+            file.seek(0)
+            return target.measure(size, lambda: self._request.psnr(file), lambda: self._request.score(file))
+
+    def _overview(self, plan: Plan, index: int, runner: TileRunner, reporter: PassReporter) -> bytes:
+        def made() -> bytes:
+            reporter.begin("overview", [], {})
+            task = self._overview_of(overview_settings(plan, plan.settings.fit_settings().lmbda))
+            return dict(runner(task, [0], window=overview_picture(plan, self._request.windows.read)))[0]
+
+        return self._store.cached(f"overview {index}", made)
+
+    def _residual(self, finished: Finished, layer: Layer) -> bytes:
+        """The payload of the residual layer."""
+        self._request.listener.stage("residual")
+        with tempfile.TemporaryFile() as file:
+            finished.write(file, self._store)
+            file.seek(0)
+            with open_stream(file, self._request.device.processor) as stream:
+                return residual_layer(stream, layer, self._request.device)
