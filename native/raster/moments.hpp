@@ -10,6 +10,8 @@ namespace {
 inline void carry_moments(const float *covariance, const float *sum, float *mean, float *out) {
   mean[0] = mean[1] = out[0] = out[1] = out[2] = 0;
   if (sum[1] == 0 && sum[2] == 0 && sum[3] == 0 && sum[4] == 0 && sum[5] == 0) return;  // its inverse may be infinite
+  const float all = sum[1] + sum[2] + sum[3] + sum[4] + sum[5];
+  if (!(all - all == 0)) return;  // so far away that squares of distances are infinite
   const float xx = covariance[0], xy = covariance[1], yy = covariance[2];
   const double det = double(xx) * yy - double(xy) * xy;
   const float p = float(yy / det), q = float(-xy / det), s = float(xx / det);  // inverse covariance

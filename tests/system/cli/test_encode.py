@@ -14,7 +14,7 @@ from command import sgi
 from sgicodec import write
 from sgicodec.cli.encode_listener import EncodeListener
 from sgicodec.decoder.stream import open_stream
-from sgicodec.encoder import pipeline as encoder
+from sgicodec.encoder import streams
 from sgicodec.metrics.psnr import psnr
 from sgicodec.picture import Picture
 from sgicodec.profiles.default import lmbda_of_quality
@@ -179,7 +179,7 @@ def test_ctrl_c_on_the_way_to_a_goal(picture: Path, monkeypatch: pytest.MonkeyPa
 
 
 def test_no_verify_does_not_decode(picture: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(encoder, "open_stream", lambda *_: 1 / 0)
+    monkeypatch.setattr(streams, "open_stream", lambda *_: 1 / 0)
     result = sgi("encode", picture, "--steps", 2, "--no-verify")
     assert result.exit_code == 0
     assert "PSNR" not in result.stdout
