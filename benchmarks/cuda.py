@@ -197,7 +197,7 @@ def print_fit(device: Device, picture: Picture) -> None:
             return True
 
     tile = tile_of(picture, plan, device, listener=Noting())
-    fit(share(prepare(tile, tile.fit.lmbda)))
+    fit(share(prepare(tile)))
     each, steps = 1e3 * median(np.diff(times[1:])), len(times) - 1
     seconds = time.monotonic() - times[0]
     click.echo(f"fit of {picture.width}×{picture.height}: {seconds:.2f} s, {steps} steps of {each:.3f} ms")

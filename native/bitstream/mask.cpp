@@ -28,7 +28,7 @@ class MaskCoding {
 
   // False where `bits` has none, or says that a square is mixed which is not.
   bool large(int64_t x, int64_t y) {
-    int32_t &link = mask_.large_[size_t((y >> 2 * kLog) * mask_.across() + (x >> 2 * kLog))];
+    int32_t &link = mask_.large_[mask_.large_at(x, y)];
     int state = kClearState;
     if (!code_state(x, y, 2 * kLog, state)) return false;
     if (state != kMixedState) {
@@ -103,8 +103,7 @@ class MaskCoding {
 
   int state_at(int64_t x, int64_t y, bool is_large) const {
     if (x < 0 || y < 0 || x >= mask_.width_ || y >= mask_.height_) return kUnknownState;
-    const int32_t of_large = mask_.large_[size_t((y >> 2 * kLog) * mask_.across() + (x >> 2 * kLog))];
-    const int32_t link = is_large || of_large < 0 ? of_large : mask_.link(x, y);
+    const int32_t link = is_large ? mask_.large_[mask_.large_at(x, y)] : mask_.link(x, y);
     return link >= 0              ? kMixedState
            : link == Mask::kSet   ? kSetState
            : link == Mask::kClear ? kClearState
@@ -113,7 +112,7 @@ class MaskCoding {
 
   bool code_pixels(int64_t x, int64_t y, Mask::Pixels &pixels, bool &has_both) {
     Window window;
-    int first = -1;
+    int before = -1;
     for (int row = 0; row < kAbove + kSmall; ++row)
       for (int column = 0; column < kStride; ++column)
         window[size_t(row)][size_t(column)] = mask_.at(x + column - kBeside, y + row - kAbove);
@@ -127,8 +126,8 @@ class MaskCoding {
         if (!models_.code(bits_, context, 0, bit)) return false;
         flags.push_back(bit);
         at[column] = uint8_t(bit);
-        has_both |= first >= 0 && bit != first;
-        first = bit;
+        has_both |= before >= 0 && bit != before;
+        before = bit;
         pixels[size_t(row)] = uint16_t(pixels[size_t(row)] | bit << column);
       }
       std::fill_n(at + columns, kStride - kBeside - columns, at[columns - 1]);  // what follows is not known
@@ -189,7 +188,7 @@ WrittenMask::WrittenMask(const uint8_t *mask, int64_t width, int64_t height) {
 }
 
 int32_t Mask::link(int64_t x, int64_t y) const {
-  const int32_t large = large_[size_t((y >> 2 * kLogSide) * across() + (x >> 2 * kLogSide))];
+  const int32_t large = large_[large_at(x, y)];
   if (large < 0) return large;
   return small_[size_t(large)][size_t((y >> kLogSide & (kSide - 1)) << kLogSide | (x >> kLogSide & (kSide - 1)))];
 }

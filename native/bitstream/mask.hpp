@@ -40,6 +40,8 @@ class Mask {
 
   int64_t across() const { return (width_ + kSide * kSide - 1) >> 2 * kLogSide; }
   int64_t down() const { return (height_ + kSide * kSide - 1) >> 2 * kLogSide; }
+  // The index in `large_` of the square that holds pixel (x, y).
+  size_t large_at(int64_t x, int64_t y) const { return size_t((y >> 2 * kLogSide) * across() + (x >> 2 * kLogSide)); }
   // The link of the square that holds pixel (x, y): one of 16 pixels, or of 256 which is not mixed.
   int32_t link(int64_t x, int64_t y) const;
 

@@ -30,12 +30,12 @@ class PassState:
     bytes: int = 0
     started: float = field(default_factory=time.monotonic)
 
-    def add(self, tile: EncodedTile | None, pixels: int, fresh: bool) -> None:
-        """Counts a tile whose core has n pixels; None if it was only analysed."""
+    def add(self, tile: EncodedTile, pixels: int, fresh: bool) -> None:
+        """Counts a tile whose core has n pixels."""
         self.done += 1
         self.pixels += pixels
         self.fresh += pixels if fresh else 0
-        self.bytes += tile.length if tile else 0
+        self.bytes += tile.length
 
     @property
     def bpp(self) -> float:
@@ -90,8 +90,8 @@ class PassReporter:
             self._state.add(tile, self._area(number), fresh=False)
         self._tell()
 
-    def done(self, number: int, tile: EncodedTile | None) -> None:
-        """One more is done; None if it was only analysed."""
+    def done(self, number: int, tile: EncodedTile) -> None:
+        """One more is done."""
         self._state.add(tile, self._area(number), fresh=True)
         self._tell()
 

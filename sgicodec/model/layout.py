@@ -18,7 +18,6 @@ __all__ = [
     "SeedLayout",
     "adaptive_layout",
     "cell_sums",
-    "leaf_sums",
     "sums_by_level",
     "uniform_layout",
 ]
@@ -121,7 +120,7 @@ def adaptive_layout(detail: F32, threshold: float, min_log: int = 1, weights: F3
     """
     _, height, width = detail.shape
     corners, sizes = [], []
-    for level, leaves, _ in _leaves(cell_sums(detail, ROOT_LOG, weights), threshold, min_log):
+    for level, leaves in _leaves(cell_sums(detail, ROOT_LOG, weights), threshold, min_log):
         y, x = np.nonzero(leaves)
         corner = np.stack([x, y], axis=1).astype(np.int32) << level
         inside = (corner[:, 0] < width) & (corner[:, 1] < height)
@@ -131,26 +130,13 @@ def adaptive_layout(detail: F32, threshold: float, min_log: int = 1, weights: F3
     return layout.take(layout.order())
 
 
-def leaf_sums(sums: CellSums, threshold: float) -> tuple[int, float]:
-    """How many leaves `adaptive_layout` would find, and their squared deviations together, from the sums of
-    `cell_sums`; cells beside the picture count.
-    """
-    count, total = 0, 0.0
-    for _, leaves, deviation in _leaves(sums, threshold):
-        count += int(leaves.sum())
-        total += float(deviation[leaves].sum())
-    return count, total
-
-
-def _leaves(
-    sums: CellSums, threshold: float, min_log: int = 1
-) -> Iterator[tuple[int, NDArray[np.bool_], NDArray[np.float64]]]:
-    """Level by level from the roots, which of its cells are leaves, and the squared deviation of each cell."""
+def _leaves(sums: CellSums, threshold: float, min_log: int) -> Iterator[tuple[int, NDArray[np.bool_]]]:
+    """Level by level from the roots, which of its cells are leaves."""
     alive = np.ones(sums.squares[ROOT_LOG].shape, bool)
     for level in range(ROOT_LOG, min_log - 1, -1):
         deviation = sums.squares[level] - sums.held(level)
         split = alive & (deviation > threshold) if level > min_log else np.zeros_like(alive)
-        yield level, alive & ~split, deviation
+        yield level, alive & ~split
         alive = split.repeat(2, axis=0).repeat(2, axis=1)
 
 

@@ -13,7 +13,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from sgicodec.bitstream.header import Header
 from sgicodec.bitstream.parts.prior import load_prior
 from sgicodec.bitstream.parts.tile import TileModel
 from sgicodec.encoder.tile.least_squares import LeastSquares
@@ -35,7 +34,6 @@ __all__ = [
     "rdoq",
     "share",
     "texture",
-    "with_model",
 ]
 
 STRATEGIES: dict[str, LeastSquares | Perceptual] = {"psnr": LeastSquares(), "visual": Perceptual()}
@@ -44,23 +42,23 @@ STRATEGIES: dict[str, LeastSquares | Perceptual] = {"psnr": LeastSquares(), "vis
 
 def encode(tile: Tile) -> TileState:
     """The tile through all stages, at a constant λ."""
-    return texture(fit_seeds(tile, tile.fit.lmbda))
+    return texture(fit_seeds(tile))
 
 
-def fit_seeds(tile: Tile, lmbda: float) -> TileState:
-    """The tile through the stages before texture, for an encode at λ."""
-    prepared = prepare(tile, lmbda)
+def fit_seeds(tile: Tile) -> TileState:
+    """The tile through the stages before texture."""
+    prepared = prepare(tile)
     prepared = share(prepared)
     state = fit(prepared)
     return rdoq(state)
 
 
-def prepare(tile: Tile, lmbda: float) -> Prepared:
-    """The tile for an encode at λ, its base layer taken off."""
+def prepare(tile: Tile) -> Prepared:
+    """The tile with its base layer taken off."""
     seed_price = tile.effort.seed_price if tile.spec.texture else 1.0
-    fit = replace(tile.fit, lmbda=lmbda * seed_price)
+    fit = replace(tile.fit, lmbda=tile.fit.lmbda * seed_price)
     base_step, base, target = base_layer(tile.spec, tile.unit, fit.lmbda)
-    return Prepared(tile, lmbda, fit, base_step, base, target, tile.weights)
+    return Prepared(tile, tile.fit.lmbda, fit, base_step, base, target, tile.weights)
 
 
 def share(prepared: Prepared) -> Prepared:
@@ -118,11 +116,7 @@ def in_integers(prepared: Prepared, fitted: Fitted) -> TileState:
         fitted.attributes,
         decoder_shift=fitted.decoder_shift,
     )
-    return with_model(prepared, replace(prepared.tile.header, quality=fitted.quality), model)
-
-
-def with_model(prepared: Prepared, header: Header, model: TileModel) -> TileState:
-    """The tile with a model."""
+    header = replace(prepared.tile.header, quality=fitted.quality)
     return TileState(**vars(prepared), header=header, model=model)
 
 

@@ -1,4 +1,4 @@
-"""The checkpoint of a long encode: an SQLite file of finished tiles and of what was decided on them."""
+"""The checkpoint of a long encode: an SQLite file of finished tiles and overviews."""
 
 from __future__ import annotations
 

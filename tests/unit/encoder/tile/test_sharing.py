@@ -25,7 +25,7 @@ def shared(pixels: np.ndarray, channels: Any = "rgb", **settings: Any) -> Prepar
     picture = Picture(pixels, channels, (0.0, 255.0))
     every: dict[str, Any] = {"lmbda": LMBDA, "effort": 2, "tune": "psnr"} | settings
     plan = stream_plan(Shape.of(picture), EncodeSettings(**every))
-    return share(prepare(tile_of(picture, plan), plan.settings.fit_settings().lmbda))
+    return share(prepare(tile_of(picture, plan)))
 
 
 def test_texture_counts_little_and_lines_count_much() -> None:

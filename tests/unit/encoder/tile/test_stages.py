@@ -26,7 +26,7 @@ def tile_for(tune: Tune) -> Tile:
 @pytest.mark.parametrize("tune", ["psnr", "visual"])
 def test_the_same_again(tune: Tune) -> None:
     tile = tile_for(tune)
-    prepared = share(prepare(tile, tile.fit.lmbda))
+    prepared = share(prepare(tile))
     fitted = fit(prepared)
     searched = rdoq(fitted)
     shown = texture(searched)
@@ -40,7 +40,7 @@ def test_the_same_again(tune: Tune) -> None:
 def test_what_a_search_learns_stays_with_it() -> None:
     """An ascent moves what its own search looks for, and the offsets of the state that it returns."""
     tile = tile_for("visual")
-    state, _ = fit_seeds(tile, tile.fit.lmbda).begin_texture()
+    state, _ = fit_seeds(tile).begin_texture()
     assert state.step_offsets is not None
     before = state.step_offsets.copy()
     texture(state)
