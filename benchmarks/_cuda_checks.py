@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-import copy
 import shutil
 import subprocess
 import sys
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from benchmarks.raster import Scene
-from sgicodec.bitstream.parts.prior import load_prior
 from sgicodec.cuda.gpu import Gpu
 from sgicodec.decoder.one_call import decode
 from sgicodec.decoder.stream import open_stream
@@ -20,16 +17,13 @@ from sgicodec.device import Device
 from sgicodec.encoder.pipeline import encode_picture
 from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.errors import SgiError
-from sgicodec.errors import require as need
-from sgicodec.fit.adam import Adam, Moments
 from sgicodec.fit.device_feature_step import DeviceFeatureStep
 from sgicodec.fit.feature_step import FeatureStep
-from sgicodec.fit.noise import NoiseKey
 from sgicodec.fit.trainer import Trainer
 from sgicodec.metrics.distortion import squared_error
-from sgicodec.model.layout import ROOT_LOG, adaptive_layout, cell_sums, uniform_layout
+from sgicodec.model.layout import uniform_layout
 from sgicodec.picture import Picture
-from sgicodec.profiles.default import default_settings, default_spec, lmbda_of_quality
+from sgicodec.profiles.default import lmbda_of_quality
 from sgicodec.profiles.paper import paper_settings, paper_spec
 from sgicodec.raster.backend import Loss
 from sgicodec.raster.cpu import NativeRasterizer
@@ -42,15 +36,12 @@ __all__ = [
     "check_decodes",
     "check_features",
     "check_gradients",
-    "check_rate",
     "check_repeats",
     "check_sanitizer",
-    "check_seeds",
     "check_streams",
     "require",
 ]
 
-F64 = NDArray[np.float64]
 Tuning = Literal["visual", "psnr"]
 
 SMALL = Scene(300, 3.0, 150, 100)
@@ -90,59 +81,6 @@ def check_gradients(gpu: Gpu) -> str:
 _LOSSES: tuple[Loss, ...] = ("squared", "absolute")
 
 
-def check_rate(device: Device, pixels: np.ndarray) -> str:
-    """Bits and the gradients of values and steps against automatic differentiation in float64; what Adam makes of them
-    against its formula in float64. In the midst of a fit, where only bits count.
-
-    Raises MissingExtraError where there is no torch.
-    """
-    need("torch", "gradients in float64", "paper")
-    from benchmarks._cuda_reference import rate_gradients
-
-    spec, target = default_spec(3), _samples(pixels)
-    networks, layout = load_prior(spec), adaptive_layout(target, 0.03)
-    trainer = Trainer(spec, default_settings(1e-3, 60), target, layout, 1, networks, device=device)
-    for progress in trainer.iterate():
-        if progress.step == 40:
-            break
-    fit, parameters, adam = trainer.on_gpu, trainer.parameters, trainer.adam
-    require(fit is not None, "the processor fits")
-    assert fit is not None
-    trainer.fetch()
-    fit.set_layout(trainer.seeds.layout, trainer.quality)
-    number, rates = 40, dict.fromkeys(parameters.trained(), 1e-2)
-    key, size = NoiseKey.of(fit.seed, number), (target.shape[2], target.shape[1])
-    value, expected = rate_gradients(spec, networks, parameters, trainer.quality, key, size)
-    before = {name: array.astype(np.float64) for name, array in parameters.trained().items()}
-    kept = {name: copy.deepcopy(adam.moments(name, array)) for name, array in parameters.trained().items()}
-    _, bits = fit.run("noise", number, trainer.levels[0], _RATE_ALONE, rates)
-    held = fit._held._held
-    found = {name: held[f"grad_{name}"].download() / _RATE_ALONE for name in parameters.trained()}
-    apart = {name: _apart(found[name].reshape(want.shape), want) for name, want in expected.items()}
-    require(abs(bits / value - 1) < 1e-4 and max(apart.values()) < 1e-4, f"bits and gradients are {apart} off")
-    trainer.fetch()
-    moved = {}
-    for name, array in parameters.trained().items():
-        gradient = _RATE_ALONE * found[name].astype(np.float64).reshape(array.shape)
-        step = _adam(kept[name], gradient, rates[name], adam)
-        moved[name] = _apart(array - before[name], step)
-    require(max(moved.values()) < 1e-3, f"what Adam moves is {moved} off")
-    return f"gradients {max(apart.values()):.1e}, Adam {max(moved.values()):.1e} from float64"
-
-
-_RATE_ALONE = 2.0**30
-"""λ of a step whose gradients are those of the bits, as far as float32 tells."""
-
-
-def _adam(moments: Moments, gradient: F64, rate: float, adam: Adam) -> F64:
-    """By how much an array moves in the next step (Kingma and Ba 2015, algorithm 1)."""
-    (beta1, beta2), count = adam.betas, moments.count + 1
-    mean = beta1 * moments.mean.astype(np.float64) + (1 - beta1) * gradient
-    square = beta2 * moments.square.astype(np.float64) + (1 - beta2) * gradient**2
-    moved: F64 = -rate * mean / (1 - beta1**count) / (np.sqrt(square / (1 - beta2**count)) + adam.epsilon)
-    return moved
-
-
 def _apart(found: np.ndarray, expected: np.ndarray) -> float:
     """Relative to the norm of what is expected."""
     return float(np.linalg.norm(found - expected) / np.linalg.norm(expected))
@@ -164,29 +102,6 @@ def check_repeats(gpu: Gpu, size: Scene) -> str:
     return "equal bytes in three runs"
 
 
-def check_seeds(device: Device, pixels: np.ndarray) -> str:
-    """What decides which seeds go and come, in the midst of a fit, beside the processor's from the same values."""
-    spec, target, lmbda = default_spec(3), _samples(pixels), 1e-3
-    networks, layout = load_prior(spec), adaptive_layout(target, 30 * lmbda)
-    trainer = Trainer(spec, default_settings(lmbda, 60), target, layout, 1, networks, device=device)
-    for progress in trainer.iterate():
-        if progress.step == 40:
-            break
-    fit, level = trainer.on_gpu, trainer.levels[0]
-    require(fit is not None, "the processor fits")
-    assert fit is not None
-    energy, lacks = fit.energy(), fit.residual_sums(level).values[1]
-    trainer.fetch()
-    drawn = CudaRasterizer(fit.gpu, trainer.raster.cutoff).forward(
-        *trainer.seeds.gaussians(), target.shape[2], target.shape[1]
-    )
-    expected = trainer.seeds.energy(), cell_sums(target - drawn, ROOT_LOG).values[1]
-    pairs: list[tuple[np.ndarray, np.ndarray]] = list(zip((energy, lacks), expected, strict=True))
-    apart = [_apart(a, b) for a, b in pairs]
-    require(max(apart) < 1e-4, f"energies and residuals are {apart} from the processor's")
-    return f"energies {apart[0]:.1e}, residuals {apart[1]:.1e} from the processor's"
-
-
 def check_features(device: Device, pixels: np.ndarray, number: int = 60) -> str:
     """A step of the paper profile under noise, with a price on bits, beside the processor's from the same values: those
     that a fit has at step `number`.
@@ -201,7 +116,8 @@ def check_features(device: Device, pixels: np.ndarray, number: int = 60) -> str:
     raster, on_gpu = NativeRasterizer(device, cutoff=6.0), trainer.gradient_step
     require(isinstance(on_gpu, DeviceFeatureStep), "the processor fits")
     assert isinstance(on_gpu, DeviceFeatureStep)
-    steps = DeviceFeatureStep(spec, settings, on_gpu.gpu, size, 6.0), FeatureStep(spec, settings, raster, size, device)
+    far = CudaRasterizer(on_gpu.gpu, cutoff=6.0)
+    steps = DeviceFeatureStep(spec, settings, far, size), FeatureStep(spec, settings, raster, size, device)
     results = []
     for step in steps:
         step.set_layout(layout, trainer.quality)

@@ -23,10 +23,8 @@ from benchmarks._cuda_checks import (
     check_decodes,
     check_features,
     check_gradients,
-    check_rate,
     check_repeats,
     check_sanitizer,
-    check_seeds,
     check_streams,
     require,
 )
@@ -36,7 +34,6 @@ from sgicodec import read
 from sgicodec.cuda.choice import device_of
 from sgicodec.cuda.compiler import ARCHITECTURES, the_compiler
 from sgicodec.cuda.gpu import Gpu, opened
-from sgicodec.cuda.tiles import TilePasses
 from sgicodec.decoder.stream import open_stream
 from sgicodec.device import Device
 from sgicodec.encoder.input.windows import windows_of
@@ -48,7 +45,7 @@ from sgicodec.encoder.tile.stages import fit, prepare, share
 from sgicodec.encoder.tile.state import tile_of
 from sgicodec.errors import MissingExtraError, TargetMissedError
 from sgicodec.executors.executor import Executor
-from sgicodec.executors.threads import ThreadExecutor
+from sgicodec.executors.processes import ProcessExecutor
 from sgicodec.fit.trainer import Progress
 from sgicodec.picture import Picture
 from sgicodec.raster.cuda import CudaRasterizer
@@ -80,10 +77,10 @@ def print_decodes(device: Device, data: bytes, repeat: int) -> None:
 
 
 def print_tiles(device: Device, picture: Picture, steps: int) -> None:
-    """Seconds of an encode in tiles, one tile at a time and several in threads, whose bytes must be the same."""
+    """Seconds of an encode in tiles, one tile at a time and several in processes, whose bytes must be the same."""
     settings = EncodeSettings(steps=steps, tile=TILE)
     streams = set()
-    for executor in (Executor(), ThreadExecutor(2), ThreadExecutor(device.cores + 1)):
+    for executor in (Executor(), ProcessExecutor(2), ProcessExecutor(device.cores)):
         started = time.monotonic()
         streams.add(encode_picture(picture, settings, executor=executor, device=device).data)
         seconds = time.monotonic() - started
@@ -108,35 +105,23 @@ def timed(gpu: Gpu, launch: Callable[[], None], repeat: int) -> float:
 
 
 def measure_scene(gpu: Gpu, scene: Scene, repeat: int) -> dict[str, float]:
-    """Milliseconds of the passes over a scene, alone and as one graph."""
+    """Milliseconds of the passes over a scene."""
     raster, target = CudaRasterizer(gpu), np.zeros((scene.channels, scene.height, scene.width), np.float32)
     for loss in ("squared", "absolute"):
         raster.error(*scene.gaussians(), target, loss)
-    assert raster._drawn is not None
-    passes, held = raster._drawn[1], gpu.put(target)
+    assert raster._passes is not None
+    passes, held = raster._passes[1], gpu.put(target)
     out = [gpu.array((scene.count, size)) for size in (2, 3, scene.channels)]
     names = ("grad_means", "grad_covariances", "grad_colours")
     fields: dict[str, Any] = {name: array.address for name, array in zip(names, out, strict=True)}
     passes.set(target=held.address, **fields)
 
-    def whole() -> None:
-        _all(passes)
-
-    with gpu.recorded() as graph:
-        whole()
     parts = {
         "binning": passes.bin,
         "forward, error, backward": lambda: passes.over_tiles("error"),
         "reduce": passes.reduce,
-        "graph of all": graph.launch,
     }
     return {name: timed(gpu, launch, repeat) for name, launch in parts.items()}
-
-
-def _all(passes: TilePasses) -> None:
-    passes.bin()
-    passes.over_tiles("error")
-    passes.reduce()
 
 
 def print_floors() -> None:
@@ -267,13 +252,11 @@ def main(
     click.echo(f"{gpu.name}, NVRTC {the_compiler().version}")
     whole = read(picture)
     click.echo(f"gradients: {check_gradients(gpu)}")
-    click.echo(f"seeds: {check_seeds(device, whole.pixels)}")
     click.echo(f"paper: {check_features(device, whole.pixels, 6 if kernels_alone else 60)}")
     click.echo(f"a stream: {check_decodes(device, STREAM.read_bytes())}")
     if kernels_alone:
         return None
     click.echo(f"repeated: {check_repeats(gpu, SCENES[0])}")
-    complete = run_check("rate", lambda: check_rate(device, whole.pixels))
     print_times(gpu, repeat)
     print_fit(device, whole)
     print_encodes(device, whole)
@@ -286,9 +269,7 @@ def main(
     for tune in TUNINGS:
         click.echo(f"streams, {tune}: {check_streams(device, whole.pixels, steps, seeds, tune)}")
     print_large(name, large)
-    if sanitizer:
-        complete = run_check("sanitizer", lambda: check_sanitizer(name)) and complete
-    if not complete:
+    if sanitizer and not run_check("sanitizer", lambda: check_sanitizer(name)):
         sys.exit(1)
     return None
 

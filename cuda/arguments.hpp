@@ -17,8 +17,6 @@ struct RasterArguments {
   int32_t width;
   int32_t height;
   float cutoff;
-  float scale;
-  float minimum;
   float weight;
   int32_t capacity;
   int32_t sort_blocks;
@@ -83,83 +81,6 @@ struct ScanArguments {
   int32_t *values;
   int32_t *totals;
   int32_t count;
-};
-
-// A step of the fit: arrays as in native/fit/seed_kernel.hpp, and what changes from step to step in `numbers`.
-struct FitArguments {
-  int32_t count;
-  int32_t channels;
-  int32_t hidden;
-  int32_t neighbours;
-  int32_t quality;
-  int32_t rounding;
-  int32_t predicts;
-  int32_t chunk;
-  int32_t chunks;
-  int32_t tiles;
-  int32_t capacity;
-  const void *numbers;
-  const int32_t *pairs;
-  const int32_t *half_pixels;
-  const int8_t *log_size;
-  const int32_t *neighbour;
-  const float *opponent;
-  const float *colour;
-  const float *shape;
-  const float *offset;
-  const float *first;
-  const float *rest;
-  const float *steps;
-  float *summary;
-  float *kept;
-  float *decoded;
-  float *bits;
-  float *means;
-  float *covariances;
-  float *colours;
-  const float *grad_means;
-  const float *grad_covariances;
-  const float *grad_colours;
-  float *slopes;
-  float *grad_colour;
-  float *grad_shape;
-  float *grad_offset;
-  float *partials;
-  float *grad_steps;
-  const double *errors;
-  void *report;
-};
-
-// What the Gaussians of each seed draw alone.
-struct EnergyArguments {
-  const float *covariances;
-  const float *colours;
-  float *energy;
-  int32_t count;
-  int32_t channels;
-};
-
-// Rows of an array in another order, with fresh ones between them.
-struct RowArguments {
-  const float *source;
-  const float *fresh;
-  float *to;
-  const int32_t *rows;
-  int32_t count;
-  int32_t width;
-};
-
-// What an image lacks of its target, over cells.
-struct ResidualArguments {
-  const float *image;
-  const float *target;
-  const float *weights;
-  float *sums;
-  int32_t channels;
-  int32_t height;
-  int32_t width;
-  int32_t rows;
-  int32_t columns;
 };
 
 // A product of a matrix, whose element (r, c) is weights[r * row_step + c * column_step], with rows [columns, count],
@@ -248,39 +169,6 @@ struct FeatureArguments {
   const float *grad_means;
   const float *grad_covariances;
   const float *grad_colours;
-};
-
-// What a step is told.
-struct StepNumbers {
-  uint32_t key;
-  uint32_t mirror;
-  float lmbda;
-  float none;
-  double beta1;
-  double beta2;
-  double epsilon;
-  double rate[8];
-  double root_correction[8];
-};
-
-// What a step says.
-struct StepReport {
-  double error;
-  double bits;
-  int64_t pairs;
-};
-
-// One step of Adam on up to eight arrays; a step whose pairs had no room moves nothing.
-struct AdamArguments {
-  float *value[8];
-  const float *gradient[8];
-  float *mean[8];
-  float *square[8];
-  int32_t size[8];
-  int32_t arrays;
-  int32_t capacity;
-  const void *numbers;
-  const int32_t *pairs;
 };
 
 }  // namespace sgi

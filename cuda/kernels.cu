@@ -1,11 +1,7 @@
 // All kernels, as one module.
 #include "cuda/base/scan.hpp"
-#include "cuda/fit/descent.hpp"
 #include "cuda/fit/features.hpp"
-#include "cuda/fit/forward.hpp"
 #include "cuda/fit/rows.hpp"
-#include "cuda/fit/seeds.hpp"
-#include "cuda/fit/update.hpp"
 #include "cuda/raster/binning.hpp"
 #include "cuda/raster/reduction.hpp"
 #include "cuda/raster/samples.hpp"

@@ -29,7 +29,6 @@ if TYPE_CHECKING:
     from sgicodec.encoder.tiles.checkpoint import Checkpoint
     from sgicodec.executors.dask import open_cluster
     from sgicodec.executors.processes import ProcessExecutor
-    from sgicodec.executors.threads import ThreadExecutor
     from sgicodec.image.reader import read
     from sgicodec.image.source import open_source
     from sgicodec.image.writer import write
@@ -45,7 +44,6 @@ __all__ = [
     "ProcessExecutor",
     "SgiError",
     "Stream",
-    "ThreadExecutor",
     "__version__",
     "decode",
     "encode",
@@ -68,7 +66,6 @@ _HOMES = {
     "Picture": "picture.Picture",
     "ProcessExecutor": "executors.processes.ProcessExecutor",
     "Stream": "decoder.stream.Stream",
-    "ThreadExecutor": "executors.threads.ThreadExecutor",
     "decode": "decoder.one_call.decode",
     "encode": "encoder.one_call.encode",
     "encode_picture": "encoder.pipeline.encode_picture",

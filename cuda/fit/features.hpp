@@ -1,6 +1,8 @@
 // The paper profile's step but for its networks, a thread for each seed; native/fit computes.
 #pragma once
-#include "cuda/fit/state.hpp"
+#define LANES 1  // of the vectors that native/fit computes with: a thread has a seed
+#include "cuda/arguments.hpp"
+#include "cuda/base/block.hpp"
 #include "fit/feature_seeds.hpp"
 
 namespace sgi {
@@ -8,6 +10,15 @@ namespace sgi {
 constexpr int kFeatureThreads = 64;
 
 namespace {
+
+// Calls visit(seed) for the seed of every thread.
+template <int THREADS, class Arguments, class Visit>
+inline void for_each_seed(const ThreadBlock<THREADS> &block, const Arguments &a, Visit visit) {
+  block.each([&](int t) {
+    const int seed = block.index() * THREADS + t;
+    if (seed < a.count) visit(seed);
+  });
+}
 
 inline FeatureState feature_state_of(const FeatureArguments &a) {
   FeatureState s{};

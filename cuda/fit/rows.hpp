@@ -1,6 +1,7 @@
 // Layers of networks over rows of what seeds have, [rows, count]: neighbouring threads have neighbouring seeds.
 #pragma once
-#include "cuda/fit/state.hpp"
+#include "cuda/arguments.hpp"
+#include "cuda/base/block.hpp"
 
 namespace sgi {
 
@@ -33,6 +34,13 @@ SGI_KERNEL(multiply_rows, kProductThreads, ProductArguments) {
 }
 
 namespace {
+
+// Sum i of partials [chunks, width], in the order of chunks.
+inline float sum_of_chunks(const float *partials, int chunks, int width, int i) {
+  double sum = 0;
+  for (int chunk = 0; chunk < chunks; ++chunk) sum += partials[int64_t(chunk) * width + i];
+  return float(sum);
+}
 
 struct SumMemory {
   float up[kSumSeeds][kSumSide + 1], input[kSumSeeds][kSumSide + 1];  // odd rows share no banks

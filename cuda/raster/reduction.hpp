@@ -6,7 +6,7 @@
 namespace sgi {
 namespace {
 
-// Adds the partials of a Gaussian in the order of its slots, and carries them to what it was at full size.
+// Adds the partials of a Gaussian in the order of its slots, and carries them to its mean and covariance.
 template <int C>
 inline void reduce_gaussian(const RasterArguments &a, int i) {
   constexpr int kSums = kPairMoments + C;
@@ -17,14 +17,9 @@ inline void reduce_gaussian(const RasterArguments &a, int i) {
     for (int k = 0; k < kSums; ++k) sum[1 + k] += a.partials[int64_t(slot) * kSums + k];
   for (int c = 0; c < C; ++c) a.grad_colours[int64_t(i) * C + c] = sum[kMoments + c];
   float mean[2] = {}, covariance[3] = {};
-  const float area = a.scale * a.scale, added = a.minimum * (1.0f - area);
-  if (begin < end) {
-    const float drawn[3] = {a.covariances[3 * i] * area + added, a.covariances[3 * i + 1] * area,
-                            a.covariances[3 * i + 2] * area + added};
-    carry_moments(drawn, sum, mean, covariance);
-  }
-  for (int k = 0; k < 2; ++k) a.grad_means[2 * i + k] = mean[k] * a.scale;
-  for (int k = 0; k < 3; ++k) a.grad_covariances[3 * i + k] = covariance[k] * area;
+  if (begin < end) carry_moments(a.covariances + 3 * i, sum, mean, covariance);
+  for (int k = 0; k < 2; ++k) a.grad_means[2 * i + k] = mean[k];
+  for (int k = 0; k < 3; ++k) a.grad_covariances[3 * i + k] = covariance[k];
 }
 
 }  // namespace

@@ -24,14 +24,8 @@ inline int pairs_of(const RasterArguments &a) {
   return pairs < a.capacity ? pairs : a.capacity;
 }
 
-// The Gaussian at the scale at which it is rendered. Only cells shrink with a level of the pyramid; the least variance
-// stays a matter of the pixels that are rendered.
 inline bool prepared(const RasterArguments &a, int i, Splat &splat, Ellipse &ellipse) {
-  const float area = a.scale * a.scale, added = a.minimum * (1.0f - area);
-  const float mean[2] = {a.means[2 * i] * a.scale, a.means[2 * i + 1] * a.scale};
-  const float covariance[3] = {a.covariances[3 * i] * area + added, a.covariances[3 * i + 1] * area,
-                               a.covariances[3 * i + 2] * area + added};
-  return prepare(mean, covariance, a.cutoff, splat, ellipse);
+  return prepare(a.means + 2 * i, a.covariances + 3 * i, a.cutoff, splat, ellipse);
 }
 
 }  // namespace

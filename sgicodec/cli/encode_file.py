@@ -21,7 +21,6 @@ from sgicodec.errors import EncodeInterruptedError, StreamError, TargetMissedErr
 from sgicodec.executors.executor import MIB
 from sgicodec.executors.peak import own_peak
 from sgicodec.executors.processes import ProcessExecutor
-from sgicodec.executors.threads import ThreadExecutor
 from sgicodec.image.source import open_to_encode
 
 if TYPE_CHECKING:
@@ -158,7 +157,7 @@ def _executor(origin: str, options: EncodeOptions, source: Source, stack: ExitSt
         side = next((side for side in (1024, 512, 256) if max(source.width, source.height) > side), None)
         raise UsageError(text + (f", or cut the picture into tiles with --tile {side}" if side else ""))
     if options.cluster is None:
-        return _local_executor(options.device, options.max_memory)
+        return ProcessExecutor(options.device.cores, options.max_memory)
     if count == 1:
         return None
     from sgicodec.executors.dask import open_cluster
@@ -168,13 +167,6 @@ def _executor(origin: str, options: EncodeOptions, source: Source, stack: ExitSt
     if origin == STANDARD or not Path(origin).is_file():
         raise UsageError(f"a cluster cannot read {display(origin)}, which is no file; add --send-pixels")
     return stack.enter_context(open_cluster(options.cluster, str(Path(origin).resolve()), options.device_name))
-
-
-def _local_executor(device: Device, max_memory: float | None) -> Executor:
-    """Processes for the processor; threads for a GPU, which one process feeds best."""
-    if device.gpu is None:
-        return ProcessExecutor(device.cores, max_memory)
-    return ThreadExecutor(device.cores + 1, max_memory)
 
 
 def _part(target: str, stack: ExitStack) -> Path:

@@ -58,12 +58,6 @@ class Driver:
         self.call(name, ctypes.byref(found), *arguments)
         return found
 
-    def handle_behind(self, name: str, first: Any) -> Pointer:
-        """The same where that pointer is the second argument."""
-        found = Pointer()
-        self.call(name, first, ctypes.byref(found))
-        return found
-
     @property
     def cuda(self) -> int:
         """The major version of CUDA that it knows."""

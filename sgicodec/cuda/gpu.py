@@ -1,10 +1,9 @@
-"""One GPU: its memory, the kernels, launches one by one or as a graph."""
+"""One GPU: its memory, the kernels, their launches."""
 
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Hashable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from functools import cache
 from threading import Lock, local
 from typing import Any
@@ -15,17 +14,17 @@ from numpy.typing import DTypeLike, NDArray
 from sgicodec.cuda.compiler import compiled
 from sgicodec.cuda.driver import CudaError, Driver, Pointer, the_driver
 
-__all__ = ["Gpu", "GpuArray", "Graph", "opened", "own_gpus", "shared"]
+__all__ = ["Gpu", "GpuArray", "opened", "own_gpus", "shared"]
 
-_NON_BLOCKING, _RELAXED = ctypes.c_uint(1), ctypes.c_int(2)
-"""CU_STREAM_NON_BLOCKING; CU_STREAM_CAPTURE_MODE_RELAXED: other threads may allocate meanwhile."""
+_NON_BLOCKING = ctypes.c_uint(1)
+"""CU_STREAM_NON_BLOCKING."""
 
 
 class Gpu:
     """GPU `index` with the kernels of `image`, machine code for it or PTX. Not safe for use by two threads at once.
     Kernels and stream go with it.
 
-    launched: what its users have launched once, and may record from now on. turn: held by threads that share it.
+    turn: held by threads that share it.
     """
 
     def __init__(self, driver: Driver, index: int, image: bytes) -> None:
@@ -34,7 +33,6 @@ class Gpu:
         self.use()
         self._module = driver.handle("cuModuleLoadData", ctypes.c_char_p(image))
         self._functions: dict[str, Pointer] = {}
-        self.launched: set[Hashable] = set()
         self.turn = Lock()
         self.stream = driver.handle("cuStreamCreate", _NON_BLOCKING)
 
@@ -65,23 +63,12 @@ class Gpu:
         return array
 
     def launch(self, kernel: str, blocks: int, threads: int, arguments: ctypes.Structure) -> None:
-        """Lets `blocks` blocks run, behind what was launched before; while a graph is recorded, adds them to it."""
+        """Lets `blocks` blocks run, behind what was launched before."""
         if blocks < 1:
             return
         given = (ctypes.c_void_p * 1)(ctypes.addressof(arguments))
         sizes = [ctypes.c_uint(n) for n in (blocks, 1, 1, threads, 1, 1, 0)]
         self.driver.call("cuLaunchKernel", self._function(kernel), *sizes, self.stream, given, None)
-
-    @contextmanager
-    def recorded(self) -> Iterator[Graph]:
-        """Makes a graph of all launches within."""
-        graph = Graph(self)
-        self.driver.call("cuStreamBeginCapture_v2", self.stream, _RELAXED)
-        try:
-            yield graph
-        finally:
-            recorded = self.driver.handle_behind("cuStreamEndCapture", self.stream)
-        graph.take(recorded)
 
     def wait(self) -> None:
         """Until everything that was launched is done."""
@@ -112,17 +99,14 @@ class GpuArray:
         """Where it begins."""
         return self._memory.value or 0
 
-    def upload(self, values: NDArray[Any], wait: bool = True) -> None:
-        """Takes the values of an array of this shape and type, which without `wait` stays as it is until the next
-        download.
-        """
+    def upload(self, values: NDArray[Any]) -> None:
+        """Takes the values of an array of this shape and type."""
         if values.shape != self.shape or values.dtype != self.dtype:
             raise ValueError(f"{values.dtype}{values.shape} is not {self.dtype}{self.shape}")
         if self.bytes:
             whole = np.ascontiguousarray(values)
             self._copy("cuMemcpyHtoDAsync_v2", self._memory, ctypes.c_void_p(whole.ctypes.data))
-            if wait:
-                self.gpu.wait()  # the copy must not outlive what it reads
+            self.gpu.wait()  # the copy must not outlive what it reads
 
     def download(self, into: NDArray[Any] | None = None) -> NDArray[Any]:
         """Its values, after everything that was launched: in `into`, a contiguous array of this shape and type."""
@@ -145,32 +129,6 @@ class GpuArray:
     def _copy(self, name: str, to: Pointer, source: Pointer, count: int | None = None) -> None:
         size = ctypes.c_size_t(self.bytes if count is None else count)
         self.gpu.driver.call(name, to, source, size, self.gpu.stream)
-
-
-class Graph:
-    """Launches that run as one."""
-
-    def __init__(self, gpu: Gpu) -> None:
-        self._gpu = gpu
-        self._runs: Pointer | None = None
-
-    def take(self, recorded: Pointer) -> None:
-        """Makes what was recorded ready to run."""
-        driver = self._gpu.driver
-        try:
-            self._runs = driver.handle("cuGraphInstantiateWithFlags", recorded, ctypes.c_ulonglong(0))
-        finally:
-            driver.call("cuGraphDestroy", recorded)
-
-    def launch(self) -> None:
-        """Runs it behind what was launched before."""
-        self._gpu.driver.call("cuGraphLaunch", self._runs, self._gpu.stream)
-
-    def __del__(self) -> None:
-        if self._runs is not None:
-            with suppress(CudaError):
-                self._gpu.use()
-                self._gpu.driver.call("cuGraphExecDestroy", self._runs)
 
 
 def opened(index: int) -> Gpu:

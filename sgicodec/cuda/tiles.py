@@ -46,9 +46,8 @@ class CudaView(NamedTuple):
 
 class TilePasses:
     """Launches of one view of `gaussians` Gaussians with `channels` channels, and the memory that they need. `fields`
-    are those of RasterArguments that the caller sets: addresses, cutoff, scale. Only passes that differentiate need
-    room for what pairs add to gradients. capacity: pairs of tile and Gaussian that there is room for at first, at
-    least.
+    are those of RasterArguments that the caller sets: addresses, cutoff. Only passes that differentiate need room for
+    what pairs add to gradients.
     """
 
     def __init__(
@@ -59,7 +58,6 @@ class TilePasses:
         channels: int,
         fields: dict[str, Any],
         differentiates: bool = True,
-        capacity: int = 0,
         most_pairs: int = MAX_PAIRS,
     ) -> None:
         self.gpu, self.view, self.channels, self.gaussians = gpu, view, channels, gaussians
@@ -70,9 +68,9 @@ class TilePasses:
         self.errors = gpu.array((view.tiles, 2), np.float64)
         own = {"gaussians": gaussians, **view._asdict()}
         own |= {name: getattr(self, name).address for name in ("splats", "slot_start", "tile_start", "errors")}
-        self._fields = {"scale": 1.0, "weight": 1.0} | fields | own
+        self._fields = {"weight": 1.0} | fields | own
         self._starts = Scan(gpu, self.slot_start, gaussians)
-        self._make_room(max(capacity, 4 * gaussians + 4 * view.tiles))
+        self._make_room(4 * gaussians + 4 * view.tiles)
 
     def _make_room(self, capacity: int) -> None:
         self.capacity, self.sort_blocks = capacity, -(-capacity // SORTED)
@@ -85,7 +83,7 @@ class TilePasses:
         self._fields |= {name: getattr(self, name).address for name in names}
         self._digits = Scan(self.gpu, self.digits, len_of(self.digits) - 1)
 
-    def had_room(self, pairs: int) -> bool:
+    def _had_room(self, pairs: int) -> bool:
         """Whether there was room for so many pairs; if not, there is from now on. Raises OverflowError for too many."""
         if pairs > self._most_pairs:
             raise OverflowError("too many Gaussians in too many tiles: draw smaller crops")
@@ -94,17 +92,14 @@ class TilePasses:
             return False
         return True
 
-    def bin_all(self) -> bool:
-        """`bin`, again with more room where there was not enough, which it returns."""
+    def bin_all(self) -> None:
+        """`bin`, again with more room where there was not enough."""
         self.bin()
-        grown = False
-        while not self.had_room(self.found()):
+        while not self._had_room(int(self.slot_start.last())):
             self.bin()
-            grown = True
-        return grown
 
     def bin(self) -> None:
-        """Finds the pairs and sorts them by tile."""
+        """Finds the pairs and sorts them by tile, as many as there is room for."""
         blocks = -(-self.gaussians // THREADS)
         given = self._arguments(*self.pairs)
         self.gpu.launch("prepare_splats", blocks, THREADS, given)
@@ -117,26 +112,23 @@ class TilePasses:
             self._digits.launch()
             self.gpu.launch("sort_scatter", self.sort_blocks, SORT_THREADS, given)
             now, then = then, now
-        self._sorted = self._arguments(*now, *then)
-        self.gpu.launch("find_tiles", -(-(self.capacity + 1) // SEARCHERS), SEARCHERS, self._sorted)
+        self._sorted = *now, *then
+        given = self._arguments(*self._sorted)
+        self.gpu.launch("find_tiles", -(-(self.capacity + 1) // SEARCHERS), SEARCHERS, given)
 
     def over_tiles(self, kernel: str) -> None:
         """`forward`, `error` or `absolute_error`, a block for each tile, after `bin`."""
-        self.gpu.launch(f"{kernel}_{self.channels}", self.view.tiles, TILE_THREADS, self._sorted)
+        given = self._arguments(*self._sorted)
+        self.gpu.launch(f"{kernel}_{self.channels}", self.view.tiles, TILE_THREADS, given)
 
     def reduce(self) -> None:
         """Gradients of Gaussians, after a pass that left moments of pairs."""
-        self.gpu.launch(f"reduce_{self.channels}", -(-self.gaussians // THREADS), THREADS, self._sorted)
-
-    def found(self) -> int:
-        """How many pairs there are, more than `capacity` maybe, of which then only some are there."""
-        return int(self.slot_start.last())
+        given = self._arguments(*self._sorted)
+        self.gpu.launch(f"reduce_{self.channels}", -(-self.gaussians // THREADS), THREADS, given)
 
     def set(self, **fields: Any) -> None:
         """Changes arguments of passes to come."""
         self._fields |= fields
-        for name, value in fields.items():
-            setattr(self._sorted, name, value)
 
     def _arguments(self, keys: GpuArray, slots: GpuArray, *rest: Any) -> ctypes.Structure:
         out_keys, out_slots, *shift = rest

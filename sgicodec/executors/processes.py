@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import math
 import os
 import signal
 from collections import deque
@@ -10,8 +11,10 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
-from sgicodec.executors.executor import Failure, Tries
-from sgicodec.executors.local import LocalExecutor
+from sgicodec.device import Device
+from sgicodec.errors import UsageError
+from sgicodec.executors.available import group_memory, machine_memory
+from sgicodec.executors.executor import MIB, Executor, Failure, Memory, Tries
 from sgicodec.executors.peak import Peaks, own_peak
 
 if TYPE_CHECKING:
@@ -24,18 +27,40 @@ Job = TypeVar("Job")
 Result = TypeVar("Result")
 
 
-class ProcessExecutor(LocalExecutor):
+class ProcessExecutor(Executor):
     """An `Executor` with worker processes of this machine, started for each run.
 
-    workers: at most; 0 for one per core. peaks: where they tell what they took.
+    workers: at most; 0 for one per core. max_memory: bytes that they may take together at their peak. peaks: where they
+    tell what they took.
     """
 
+    workers = 1
+
     def __init__(self, workers: int = 0, max_memory: float | None = None, peaks: Peaks | None = None) -> None:
-        super().__init__(workers, os.cpu_count() or 1, max_memory)
+        if not isinstance(workers, int) or workers < 0:
+            raise UsageError(f"workers {workers!r}; 0 (by the number of cores) or more")
+        self.workers, self._max_memory = workers or os.cpu_count() or 1, max_memory
         self.peaks = peaks or Peaks()
 
-    def _with(self, workers: int) -> ProcessExecutor:
-        return ProcessExecutor(workers, self._max_memory, self.peaks)
+    def within(self, memory: Memory, jobs: int) -> Executor:
+        """As in `Executor`; a single worker is this process. Without `max_memory`, no more than the machine, or the
+        control group of this process, has memory for. Raises UsageError if `max_memory` is too low for one.
+        """
+        limit = self._max_memory
+        has = (group_memory() or machine_memory()) if limit is None else limit
+        most = min(self.workers, jobs)
+        fitting = [count for count in range(1, most + 1) if has is None or memory.total(count) <= has]
+        if not fitting and limit is not None:
+            needed = math.ceil(memory.total(1) / MIB)
+            raise UsageError(
+                f"one worker takes about {needed} MiB, more than --max-memory; a smaller --tile takes less"
+            )
+        count = max(fitting, default=1)
+        return Executor() if count == 1 else ProcessExecutor(count, limit, self.peaks)
+
+    def device(self, whole: Device, jobs: int) -> Device:
+        """The threads are shared among the workers."""
+        return whole.shared_among(min(self.workers, jobs))
 
     def run(
         self,

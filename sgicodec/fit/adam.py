@@ -11,13 +11,13 @@ from numpy.typing import NDArray
 from sgicodec import _native
 from sgicodec.device import ONE_THREAD, Device
 
-__all__ = ["Adam", "Moments"]
+__all__ = ["Adam"]
 
 F32 = NDArray[np.float32]
 
 
 @dataclass
-class Moments:
+class _Moments:
     """mean, square: running averages of the gradient and of its square, shaped as the array; count: steps so far."""
 
     mean: F32
@@ -30,12 +30,14 @@ class Adam:
 
     def __init__(self, betas: tuple[float, float], epsilon: float, device: Device = ONE_THREAD) -> None:
         self.betas, self.epsilon, self.device = betas, epsilon, device
-        self._moments: dict[str, Moments] = {}
+        self._moments: dict[str, _Moments] = {}
 
     def move(self, name: str, values: F32, gradient: F32, rate: float) -> None:
         """One step of the array `values` down its gradient, at this learning rate."""
-        moments, (beta1, beta2) = self.moments(name, values), self.betas
-        corrected, root = self.corrections(name, rate)
+        if name not in self._moments:
+            self._moments[name] = _Moments(np.zeros_like(values), np.zeros_like(values))
+        moments, (beta1, beta2) = self._moments[name], self.betas
+        moments.count += 1
         _native.adam_step(
             values.reshape(-1),
             gradient.reshape(-1),
@@ -43,26 +45,12 @@ class Adam:
             moments.square.reshape(-1),
             beta1,
             beta2,
-            corrected,
-            root,
+            rate / (1.0 - beta1**moments.count),
+            (1.0 - beta2**moments.count) ** 0.5,
             self.epsilon,
             self.device.threads,
             self.device.isa,
         )
-
-    def moments(self, name: str, values: F32) -> Moments:
-        """Those of an array, zero before its first step."""
-        if name not in self._moments:
-            self._moments[name] = Moments(np.zeros_like(values), np.zeros_like(values))
-        return self._moments[name]
-
-    def corrections(self, name: str, rate: float) -> tuple[float, float]:
-        """Counts a step of an array: the learning rate over the first moment's correction, and the root of the
-        second's.
-        """
-        moments, (beta1, beta2) = self._moments[name], self.betas
-        moments.count += 1
-        return rate / (1.0 - beta1**moments.count), (1.0 - beta2**moments.count) ** 0.5
 
     def keep(self, name: str, rows: NDArray[Any]) -> None:
         """Drops the moments of all rows but these (a mask or indices)."""

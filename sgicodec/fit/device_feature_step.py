@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from sgicodec import _native
 from sgicodec.cuda import sources
-from sgicodec.cuda.gpu import Gpu, GpuArray
+from sgicodec.cuda.gpu import GpuArray
 from sgicodec.cuda.structures import structures
-from sgicodec.cuda.tiles import MAX_CHANNELS, CudaView, TilePasses
+from sgicodec.cuda.tiles import CudaView, TilePasses
 from sgicodec.fit.device_networks import DECODERS, Activations, DeviceNetworks
 from sgicodec.fit.feature_step import FeatureInputs, FeatureOutputs, FeatureStep
 from sgicodec.fit.fused_step import ROUNDINGS
@@ -22,6 +22,7 @@ from sgicodec.model.context import INPUT_BITS, HashGrid, level_inputs
 from sgicodec.model.layout import SeedLayout
 from sgicodec.model.spec import ModelSpec
 from sgicodec.profiles.fit_settings import FitSettings
+from sgicodec.raster.cuda import CudaRasterizer
 
 __all__ = ["DeviceFeatureStep"]
 
@@ -32,19 +33,15 @@ _GAUSSIANS = ("means", "covariances", "colours")
 
 
 class DeviceFeatureStep(FeatureStep):
-    """A `GradientStep` as `FeatureStep`, whose kernels run on `gpu`; what lies beyond `cutoff` standard deviations is
-    not rendered. What trains goes there in each step, and gradients come back. Same input, same bytes, on one GPU.
+    """A `GradientStep` as `FeatureStep`, whose kernels run on the GPU of `raster`, with its cutoff. What trains goes
+    there in each step, and gradients come back. Same input, same bytes, on one GPU.
     """
 
-    def __init__(self, spec: ModelSpec, settings: FitSettings, gpu: Gpu, size: tuple[int, int], cutoff: float) -> None:
-        self.spec, self.settings, self.gpu, self.size, self.cutoff = spec, settings, gpu, size, cutoff
+    def __init__(self, spec: ModelSpec, settings: FitSettings, raster: CudaRasterizer, size: tuple[int, int]) -> None:
+        self.spec, self.settings, self.size = spec, settings, size
+        self.gpu, self.cutoff = raster.gpu, raster.cutoff
         self._level: tuple[Level, dict[str, GpuArray]] | None = None
         self._passes: TilePasses | None = None
-
-    @staticmethod
-    def can_run(spec: ModelSpec, settings: FitSettings) -> bool:
-        """Whether the kernels have this model: what the native step has, up to 4 channels."""
-        return FeatureStep.can_run(spec, settings) and spec.channels <= MAX_CHANNELS
 
     def set_layout(self, layout: SeedLayout, quality: int) -> None:
         """As `GradientStep.set_layout`."""

@@ -5,12 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sgicodec.device import ALL_CORES, PROCESSOR, Device
+from sgicodec.device import ALL_CORES, Device
 from sgicodec.fit.adam import Adam
 from sgicodec.fit.context_weights import ContextWeights
 from sgicodec.fit.densification import worthwhile_cells
@@ -27,10 +26,7 @@ from sgicodec.model.network import IntNetwork
 from sgicodec.model.spec import ModelSpec
 from sgicodec.model.steps import StepPlan, default_plan, quality_index
 from sgicodec.profiles.fit_settings import SLOWED, FitSettings, Phase
-from sgicodec.raster.cpu import NativeRasterizer
-
-if TYPE_CHECKING:
-    from sgicodec.fit.device_fit import DeviceFit
+from sgicodec.raster import backend_of
 
 __all__ = ["Fitted", "Progress", "Trainer"]
 
@@ -90,7 +86,7 @@ class Trainer:
         self.spec, self.settings, self.weights = spec, settings, weights
         self.mean_weights = None if weights is None else CellMeans(weights[None])
         self.schedule = Schedule(phases)
-        self.raster = NativeRasterizer(device)
+        self.raster = backend_of(device, spec.channels)
         self.levels = levels_of(target, weights, max(phase.level for phase in phases) + 1)
         self.quality = quality_index(settings.lmbda) if settings.quality is None else settings.quality
         rng = np.random.default_rng(settings.seed)
@@ -102,18 +98,16 @@ class Trainer:
         steps[: sum(base_counts(spec))] -= settings.finer_steps
         self.parameters = Parameters(self.seeds, steps, self.context)
         self.adam = Adam(settings.rates.betas, settings.rates.epsilon, device)
-        self.on_gpu = self._device_fit(device)
         how = networks, self.raster, (width, height), family, device
         self.gradient_step = gradient_step_of(spec, settings, *how)
-        (self.on_gpu or self.gradient_step).set_layout(self.seeds.layout, self.quality)
+        self._place()
         self.step = 0
         self.centred = False
 
     @property
     def device_name(self) -> str:
-        """What fits: the name of a GPU, or the processor."""
-        gpu = getattr(self.on_gpu or self.gradient_step, "gpu", None)
-        return PROCESSOR if gpu is None else str(gpu.name)
+        """What fits: the name of the GPU that draws, or the processor."""
+        return self.raster.device_name
 
     def iterate(self) -> Iterator[Progress]:
         """Steps one at a time through all phases."""
@@ -135,10 +129,7 @@ class Trainer:
 
     def _fix_steps(self) -> None:
         """From the round phase on, steps are those that the stream will hold."""
-        self.fetch()
         self.parameters.steps[:] = flat_steps(self.spec, rounded_plan(self.spec, self.parameters.steps))
-        if self.on_gpu is not None:
-            self.on_gpu.put()
 
     def _centre_context(self) -> None:
         """Lets a new MLP_p begin at every attribute's mean and deviation."""
@@ -154,10 +145,6 @@ class Trainer:
     def _step(self, phase: Phase) -> tuple[float, float]:
         """Squared error and bits of a step, after which everything that trains has moved."""
         lmbda = self.settings.lmbda * 0.25**phase.level if phase.rate else 0.0  # a level has a quarter of the pixels
-        if self.on_gpu is not None:
-            names = self.parameters.trained()
-            rates = {name: self._learning_rate(learning_rate_of(name), phase) for name in names}
-            return self.on_gpu.run(phase.rounding, self.step, self.levels[phase.level], lmbda, rates)
         result = self.gradient_step.run(self.parameters, phase.rounding, self.step, self.levels[phase.level], lmbda)
         for name, array in self.parameters.trained().items():
             if name in result.gradients:
@@ -173,61 +160,31 @@ class Trainer:
 
     def _prune(self) -> None:
         """Drops seeds whose Gaussians hold less squared error than their bits cost."""
-        energy = self.seeds.energy() if self.on_gpu is None else self.on_gpu.energy()
+        energy = self.seeds.energy()
         if self.mean_weights is not None:
             energy = energy * self.mean_weights.of(self.seeds.layout)[:, 0]
         keep = energy > self.settings.prune * self.settings.seed_bits * self.settings.lmbda
         keep[energy.argmax()] = True  # a model without seeds has no gradients
         if not keep.all():
-            self._keep(keep)
-
-    def _keep(self, kept: NDArray[np.bool_]) -> None:
-        self.seeds.keep(kept, self.adam)
-        self._rearrange(np.flatnonzero(kept), len(self.seeds))
+            self.seeds.keep(keep, self.adam)
+            self._place()
 
     def _grow(self) -> None:
         """Adds seeds where the residual of the exact values is worth more than their bits."""
         price = self.settings.lmbda * self.settings.seed_bits * self.settings.growth
         added, means = worthwhile_cells(self._residual_sums(), self.seeds.layout, price)
-        if not len(added):
-            return
-        old = len(self.seeds)
-        self.seeds.add(added, means, self.adam)
-        self._rearrange(np.concatenate([np.arange(old), -1 - np.arange(len(added))]), old)
+        if len(added):
+            self.seeds.add(added, means, self.adam)
+            self._place()
 
     def _residual_sums(self) -> CellSums:
-        if self.on_gpu is not None:
-            return self.on_gpu.residual_sums(self.levels[0])
         target = self.levels[0].samples
         residual = target - self.raster.forward(*self.seeds.gaussians(), target.shape[2], target.shape[1])
         return cell_sums(residual, ROOT_LOG, self.weights)
 
-    def _rearrange(self, rows: NDArray[np.intp], old: int) -> None:
-        """To be called after seeds were added or removed. `rows` [N]: the old index of each seed; −1 − i for row
-        `old` + i of the host's arrays, which is new.
-        """
-        if self.on_gpu is None:
-            self.gradient_step.set_layout(self.seeds.layout, self.quality)
-        else:
-            fresh = {name: values[old:] for name, values in self.seeds.values.items()}
-            self.on_gpu.rearrange(self.seeds.layout, self.quality, rows, fresh)
-
-    def fetch(self) -> None:
-        """Makes the arrays of `seeds` and all else that trains those of now, which is to be read or changed."""
-        if self.on_gpu is not None:
-            self.on_gpu.fetch()
-
-    def _device_fit(self, device: Device) -> DeviceFit | None:
-        """The fit on the GPU that was asked for, if its kernels have this model and loss."""
-        if device.gpu is None:
-            return None
-        from sgicodec.cuda.gpu import opened
-        from sgicodec.fit.device_fit import DeviceFit
-
-        if self.networks is None or self.settings.loss != "squared" or not DeviceFit.can_run(self.spec):
-            return None
-        gpu, seed = opened(device.gpu), self.settings.seed
-        return DeviceFit(self.spec, seed, self.networks, gpu, self.parameters, self.adam, self.raster.cutoff)
+    def _place(self) -> None:
+        """To be called where seeds have come or gone."""
+        self.gradient_step.set_layout(self.seeds.layout, self.quality)
 
     def _hash_sizes(self) -> tuple[int, ...]:
         """Entries of the hash grid's tables."""
@@ -237,7 +194,6 @@ class Trainer:
 
     def result(self) -> Fitted:
         """What the fit has found so far, in the stream's order."""
-        self.fetch()
         if self.context is not None and not self.centred:
             self.context.say_constants(self._in_base_steps())  # it has learned nothing yet
         order = self.seeds.layout.order()

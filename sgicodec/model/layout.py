@@ -18,7 +18,6 @@ __all__ = [
     "SeedLayout",
     "adaptive_layout",
     "cell_sums",
-    "sums_by_level",
     "uniform_layout",
 ]
 
@@ -147,12 +146,12 @@ def cell_sums(detail: F32, root_log: int, weights: F32 | None = None) -> CellSum
     """
     values, squares, every = _native.cell_sums(detail, weights, root_log, 1)
     counts = (
-        {level: 4.0**level for level in range(1, root_log + 1)} if weights is None else sums_by_level(every, root_log)
+        {level: 4.0**level for level in range(1, root_log + 1)} if weights is None else _sums_by_level(every, root_log)
     )
-    return CellSums(sums_by_level(values, root_log), sums_by_level(squares, root_log), counts)
+    return CellSums(_sums_by_level(values, root_log), _sums_by_level(squares, root_log), counts)
 
 
-def sums_by_level(plane: F64, root_log: int) -> dict[int, F64]:
+def _sums_by_level(plane: F64, root_log: int) -> dict[int, F64]:
     """Sums of planes [..., rows, columns] of cells of two pixels over the cells of every level."""
     sums = {1: plane}
     for level in range(2, root_log + 1):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,6 +15,9 @@ from sgicodec.raster.cpu import NativeRasterizer
 from sgicodec.raster.reference import ReferenceRasterizer
 from sgicodec.raster.rescaling import scaled
 
+if TYPE_CHECKING:
+    from sgicodec.raster.cuda import CudaRasterizer
+
 __all__ = [
     "DEFAULT_CUTOFF",
     "Backend",
@@ -22,6 +25,7 @@ __all__ = [
     "Mapping",
     "NativeRasterizer",
     "ReferenceRasterizer",
+    "backend_of",
     "nothing_behind",
     "rasterize",
     "scaled",
@@ -49,7 +53,7 @@ def rasterize(
     [N, C]. The image is the crop whose first pixel is `origin` (x, y) of the picture scaled by `scale`; pixel (i, j)
     has its centre at (j + ½, i + ½). A scale below 1 filters, so that nothing aliases (`scaled`).
     `native` computes in float32, leaves out what lies beyond `cutoff` standard deviations and runs on `device`, with
-    the same result for any number of threads, up to 4 channels on a GPU; `reference` sums everything in float64.
+    the same result for any number of threads; a GPU draws up to 4 channels. `reference` sums everything in float64.
     Gaussians that are not finite or not positive definite are left out. Raises UsageError for wrong shapes or numbers,
     OverflowError where `native` would need too much memory (`NativeRasterizer`).
     """
@@ -63,17 +67,22 @@ def rasterize(
     gaussians = _arrays(means, covariances, colours, np.float32 if backend == "native" else np.float64)
     if scale != 1:
         gaussians = scaled(*gaussians, (scale, scale))
-    raster = _native_backend(device, cutoff) if backend == "native" else ReferenceRasterizer()
+    channels = gaussians[2].shape[1]
+    raster = ReferenceRasterizer() if backend == "reference" else backend_of(device, channels, cutoff)
     image: NDArray[np.floating] = raster.forward(*gaussians, width, height, origin)
     return image
 
 
-def _native_backend(device: Device, cutoff: float) -> Backend[Any]:
+def backend_of(device: Device, channels: int, cutoff: float = DEFAULT_CUTOFF) -> NativeRasterizer | CudaRasterizer:
+    """What draws so many channels: a device's GPU, if it has one and its kernels draw as many, else the processor."""
     if device.gpu is None:
         return NativeRasterizer(device, cutoff)
     from sgicodec.cuda.gpu import opened
+    from sgicodec.cuda.tiles import MAX_CHANNELS
     from sgicodec.raster.cuda import CudaRasterizer
 
+    if channels > MAX_CHANNELS:
+        return NativeRasterizer(device, cutoff)
     return CudaRasterizer(opened(device.gpu), cutoff)
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec import _native
-from sgicodec.device import ALL_CORES, Device
+from sgicodec.device import ALL_CORES, PROCESSOR, Device
 from sgicodec.raster.backend import DEFAULT_CUTOFF, Background, Errors, Loss, Mapping, nothing_behind
 
 __all__ = ["NativeRasterizer"]
@@ -29,6 +29,8 @@ class NativeRasterizer:
     OverflowError: a hostile stream must not take all memory. An instance keeps its memory
     and is not safe for use by two threads at once.
     """
+
+    device_name = PROCESSOR
 
     def __init__(self, device: Device = ALL_CORES, cutoff: float = DEFAULT_CUTOFF, most_pairs: int = MAX_PAIRS) -> None:
         self._raster = _native.Rasterizer(device.isa, device.threads, most_pairs)

@@ -1,4 +1,4 @@
-"""The CUDA back end: numpy arrays in and out, the work on a GPU. A fit keeps its arrays there (`fit/device_fit.py`)."""
+"""The CUDA back end: numpy arrays in and out, the work on a GPU."""
 
 from __future__ import annotations
 
@@ -29,7 +29,13 @@ class CudaRasterizer:
 
     def __init__(self, gpu: Gpu, cutoff: float = DEFAULT_CUTOFF, most_pairs: int = MAX_PAIRS) -> None:
         self.gpu, self.cutoff, self.most_pairs = gpu, cutoff, most_pairs
-        self._drawn: tuple[CudaView, TilePasses, list[GpuArray]] | None = None
+        self._held: dict[str, GpuArray] = {}
+        self._passes: tuple[tuple[CudaView, int, int, bool], TilePasses] | None = None
+
+    @property
+    def device_name(self) -> str:
+        """The GPU's."""
+        return self.gpu.name
 
     def forward(
         self, means: F32, covariances: F32, colours: F32, width: int, height: int, origin: tuple[int, int] = (0, 0)
@@ -68,10 +74,9 @@ class CudaRasterizer:
         origin: tuple[int, int] = (0, 0),
     ) -> tuple[Errors, Gaussians]:
         """As in `Backend`, of target [C, H, W], without storing the image."""
-        held, by_pixel = self.gpu.put(target), None if weights is None else self.gpu.put(weights)
         passes = self._binned((means, covariances, colours), CudaView(target.shape[2], target.shape[1], *origin))
-        address = 0 if by_pixel is None else by_pixel.address
-        passes.set(target=held.address, weight=weight, weights=address)
+        by_pixel = 0 if weights is None else self._put("weights", weights).address
+        passes.set(target=self._put("target", target).address, weight=weight, weights=by_pixel)
         gradients = self._gradients(passes, "error" if loss == "squared" else "absolute_error")
         squared, found = passes.errors.download().sum(axis=0).tolist()
         return Errors(found, squared), gradients
@@ -89,17 +94,23 @@ class CudaRasterizer:
         if channels > MAX_CHANNELS:
             raise UsageError(f"{channels} channels; a GPU draws up to {MAX_CHANNELS}")
         self.gpu.use()
-        count, capacity = len(gaussians[0]), 0
-        if self._drawn is not None and self._drawn[1].gaussians == count:
-            capacity = self._drawn[1].capacity
-        self._drawn = None
-        held = [self.gpu.put(np.ascontiguousarray(array)) for array in gaussians]
-        fields: dict[str, Any] = {name: array.address for name, array in zip(_INPUTS, held, strict=True)}
-        fields["cutoff"] = self.cutoff
-        passes = TilePasses(self.gpu, view, count, channels, fields, differentiates, capacity, self.most_pairs)
+        kind = view, len(gaussians[0]), channels, differentiates
+        held = {name: self._put(name, array).address for name, array in zip(_INPUTS, gaussians, strict=True)}
+        if self._passes is None or self._passes[0] != kind:
+            self._passes = None  # its memory is free before there is more
+            fields = {"cutoff": self.cutoff}
+            self._passes = kind, TilePasses(self.gpu, *kind[:3], fields, differentiates, self.most_pairs)
+        passes = self._passes[1]
+        passes.set(**held)
         passes.bin_all()
-        self._drawn = view, passes, held  # what is rendered alone is not differentiated: `Backend.backward`
         return passes
+
+    def _put(self, name: str, values: NDArray[Any]) -> GpuArray:
+        """An array on the GPU, where that of this name and shape was before."""
+        if name not in self._held or self._held[name].shape != values.shape:
+            self._held[name] = self.gpu.array(values.shape)
+        self._held[name].upload(values)
+        return self._held[name]
 
     def _gradients(self, passes: TilePasses, kernel: str) -> Gaussians:
         shapes = ((passes.gaussians, 2), (passes.gaussians, 3), (passes.gaussians, passes.channels))

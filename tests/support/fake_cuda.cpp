@@ -1,7 +1,7 @@
 // A driver of a GPU that is not there: the functions of libcuda that sgicodec calls, with the kernels compiled for the
 // host. Linked as libcuda.so.1, it takes the driver's place. A launch runs its blocks one after the other; memory is
-// the host's. It checks what a driver would: handles, sizes of copies, kernels by name, launches inside captures, and
-// that what belongs to a GPU is used while that GPU is the thread's.
+// the host's. It checks what a driver would: handles, sizes of copies, kernels by name, and that what belongs to a GPU
+// is used while that GPU is the thread's.
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
@@ -26,20 +26,6 @@ enum Result {
   kNotFound = 500
 };
 
-struct Launch {
-  const sgi::HostKernel *kernel;
-  int blocks;
-  std::vector<char> arguments;
-
-  void run() const {
-    for (int i = 0; i < blocks; ++i) kernel->run(arguments.data(), sgi::backwards() ? blocks - 1 - i : i, blocks);
-  }
-};
-
-struct Graph {
-  std::vector<Launch> launches;
-};
-
 constexpr int kMostGpus = 16;
 struct Context {
 } contexts[kMostGpus];  // of each GPU
@@ -48,7 +34,6 @@ bool initialised = false;
 thread_local Context *current = nullptr;
 
 struct Stream {
-  Graph *capture = nullptr;
   Context *context = current;
 };
 
@@ -135,51 +120,27 @@ int cuMemFree_v2(uintptr_t at) {
   memory.erase(block);
   return kSuccess;
 }
-int cuMemcpyHtoDAsync_v2(uintptr_t to, const void *from, size_t size, Stream *stream) {
-  if (!holds(to, size) || (stream && stream->capture)) return kInvalidValue;
+int cuMemcpyHtoDAsync_v2(uintptr_t to, const void *from, size_t size, Stream *) {
+  if (!holds(to, size)) return kInvalidValue;
   std::memcpy(reinterpret_cast<void *>(to), from, size);
   return kSuccess;
 }
-int cuMemcpyDtoHAsync_v2(void *to, uintptr_t from, size_t size, Stream *stream) {
-  if (!holds(from, size) || (stream && stream->capture)) return kInvalidValue;
+int cuMemcpyDtoHAsync_v2(void *to, uintptr_t from, size_t size, Stream *) {
+  if (!holds(from, size)) return kInvalidValue;
   std::memcpy(to, reinterpret_cast<const void *>(from), size);
   return kSuccess;
 }
 
 int cuStreamCreate(Stream **stream, unsigned) { return ++loaded, *stream = new Stream, kSuccess; }
 int cuStreamDestroy_v2(Stream *stream) { return --loaded, delete stream, kSuccess; }
-int cuStreamSynchronize(Stream *stream) { return stream && stream->capture ? kInvalidValue : kSuccess; }
-int cuStreamBeginCapture_v2(Stream *stream, int) {
-  if (stream->capture) return kInvalidValue;
-  stream->capture = new Graph;
-  return kSuccess;
-}
-int cuStreamEndCapture(Stream *stream, Graph **graph) {
-  if (!stream->capture) return kInvalidValue;
-  *graph = stream->capture;
-  stream->capture = nullptr;
-  return kSuccess;
-}
-int cuGraphInstantiateWithFlags(Graph **runs, Graph *graph, unsigned long long) {
-  return *runs = new Graph(*graph), kSuccess;
-}
-int cuGraphDestroy(Graph *graph) { return delete graph, kSuccess; }
-int cuGraphExecDestroy(Graph *graph) { return delete graph, kSuccess; }
-int cuGraphLaunch(Graph *graph, Stream *stream) {
-  if (!current || stream->context != current) return kInvalidContext;
-  for (const Launch &launch : graph->launches) launch.run();
-  return kSuccess;
-}
+int cuStreamSynchronize(Stream *) { return kSuccess; }
 int cuLaunchKernel(const sgi::HostKernel *function, unsigned x, unsigned y, unsigned z, unsigned threads, unsigned,
                    unsigned, unsigned, Stream *stream, void **parameters, void **) {
   if (!current || (stream && stream->context != current)) return kInvalidContext;
   if (!function || !x || y != 1 || z != 1 || int(threads) != function->threads) return kInvalidValue;
   const char *given = static_cast<const char *>(parameters[0]);
-  Launch launch{function, int(x), std::vector<char>(given, given + function->bytes)};
-  if (stream && stream->capture)
-    stream->capture->launches.push_back(launch);
-  else
-    launch.run();
+  const std::vector<char> arguments(given, given + function->bytes);
+  for (unsigned i = 0; i < x; ++i) function->run(arguments.data(), int(sgi::backwards() ? x - 1 - i : i), int(x));
   return kSuccess;
 }
 int cuEventCreate(void **event, unsigned) { return *event = &memory, kSuccess; }
@@ -200,28 +161,4 @@ size_t sgi_fake_allocated() { return allocated; }
 
 // Modules and streams that are there.
 int sgi_fake_loaded() { return loaded; }
-
-// The size of a struct of cuda/arguments.hpp, and where some of its fields lie.
-int sgi_fake_size(const char *name) {
-  const std::map<std::string, size_t> sizes{{"RasterArguments", sizeof(sgi::RasterArguments)},
-                                            {"ScanArguments", sizeof(sgi::ScanArguments)},
-                                            {"SampleArguments", sizeof(sgi::SampleArguments)},
-                                            {"TextureArguments", sizeof(sgi::TextureArguments)},
-                                            {"EnergyArguments", sizeof(sgi::EnergyArguments)},
-                                            {"RowArguments", sizeof(sgi::RowArguments)},
-                                            {"ResidualArguments", sizeof(sgi::ResidualArguments)},
-                                            {"ProductArguments", sizeof(sgi::ProductArguments)},
-                                            {"SumArguments", sizeof(sgi::SumArguments)},
-                                            {"FeatureArguments", sizeof(sgi::FeatureArguments)},
-                                            {"FitArguments", sizeof(sgi::FitArguments)},
-                                            {"StepNumbers", sizeof(sgi::StepNumbers)},
-                                            {"StepReport", sizeof(sgi::StepReport)},
-                                            {"AdamArguments", sizeof(sgi::AdamArguments)}};
-  return int(sizes.at(name));
-}
-int sgi_fake_offset(int number) {
-  const size_t offsets[] = {offsetof(sgi::AdamArguments, pairs), offsetof(sgi::FitArguments, report),
-                            offsetof(sgi::StepNumbers, rate)};
-  return int(offsets[number]);
-}
 }

@@ -4,18 +4,14 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Protocol, TypeVar
+from typing import Protocol, TypeVar
 
 from sgicodec.device import Device
 from sgicodec.encoder.plan import Plan
 from sgicodec.encoder.tile.stages import encode
 from sgicodec.encoder.tile.state import TileListener, tile_of
 from sgicodec.encoder.tile.writing import EncodedTile, write, write_nothing
-from sgicodec.executors.threads import stopping
 from sgicodec.picture import Picture
-
-if TYPE_CHECKING:
-    from sgicodec.fit.trainer import Progress
 
 __all__ = ["FitTask", "Task"]
 
@@ -32,16 +28,14 @@ class Task(Protocol[Made]):
 
 @dataclass(frozen=True)
 class FitTask:
-    """Takes a tile through all stages at the plan's λ. listener: who is told, in this process; without one, the work
-    ends where nobody waits for it any more.
-    """
+    """Takes a tile through all stages at the plan's λ. listener: who is told, in this process; None for nobody."""
 
     plan: Plan
     listener: TileListener | None = None
 
     def __call__(self, number: int, window: Picture, device: Device) -> EncodedTile:
         """Encodes the pixels that the tile covers, apron included."""
-        began, listener = time.monotonic(), self.listener or _Waiting()
+        began, listener = time.monotonic(), self.listener or TileListener()
         listener.stage("prepare")
         tile = tile_of(window, self.plan, device, number, listener=listener)
         encoded = write_nothing(tile) if tile.holds_nothing else write(encode(tile))
@@ -53,15 +47,3 @@ class FitTask:
             ended_early=watch.is_short or watch.ending(),
             fitted_by=watch.fitted_by,
         )
-
-
-class _Waiting(TileListener):
-    """In a worker, whose work ends where nobody waits for it any more."""
-
-    def step(self, progress: Progress) -> bool:
-        """As in `TileListener`."""
-        return not stopping()
-
-    def ending(self) -> bool:
-        """As in `TileListener`."""
-        return stopping()

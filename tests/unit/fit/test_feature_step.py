@@ -24,7 +24,9 @@ from sgicodec.model.spec import ModelSpec
 from sgicodec.model.steps import default_plan
 from sgicodec.profiles.fit_settings import FitSettings, Rounding
 from sgicodec.profiles.paper import paper_settings, paper_spec
+from sgicodec.raster import backend_of
 from sgicodec.raster.cpu import NativeRasterizer
+from sgicodec.raster.cuda import CudaRasterizer
 from tests.support.torch_step.step import AutogradStep
 
 WIDTH, HEIGHT, QUALITY, LMBDA = 120, 90, 60, 0.02
@@ -66,7 +68,7 @@ class Problem:
     def step(self, backend: str = "auto", threads: int = 1) -> FeatureStep | DeviceFeatureStep:
         step: FeatureStep | DeviceFeatureStep
         if backend == "cuda":
-            step = DeviceFeatureStep(self.spec, self.settings, fake_gpu(), (WIDTH, HEIGHT), CUTOFF)
+            step = DeviceFeatureStep(self.spec, self.settings, CudaRasterizer(fake_gpu(), CUTOFF), (WIDTH, HEIGHT))
         else:
             device = Device(threads, backend)
             step = FeatureStep(self.spec, self.settings, NativeRasterizer(device), (WIDTH, HEIGHT), device)
@@ -120,7 +122,8 @@ def test_a_fit_is_on_the_gpu_that_was_asked_for(monkeypatch: pytest.MonkeyPatch)
     """But for five channels, which its kernels do not have."""
     settings, device = paper_settings(LMBDA, 3, 500), only_gpu(monkeypatch)
     for spec, expected in ((SPEC, DeviceFeatureStep), (paper_spec(5), FeatureStep)):
-        assert type(gradient_step_of(spec, settings, None, NativeRasterizer(device), (9, 9), 0, device)) is expected
+        raster = backend_of(device, spec.channels)
+        assert type(gradient_step_of(spec, settings, None, raster, (9, 9), 0, device)) is expected
 
 
 def equal(found: StepResult, expected: StepResult) -> None:

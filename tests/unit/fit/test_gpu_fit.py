@@ -1,4 +1,4 @@
-"""Whole fits and encodes with a GPU, of which the kernels are compiled for the host (tests/support/fake_cuda.cpp)."""
+"""Whole fits and encodes that a GPU draws, with its kernels compiled for the host (tests/support/fake_cuda.cpp)."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from fake_cuda import backwards, only_gpu
+from fake_cuda import backwards, fake_gpu, only_gpu
 
 import sgicodec
 from sgicodec.bitstream.parts.prior import load_prior
@@ -52,7 +52,7 @@ def test_the_loss_is_the_processors(coarse: bool, monkeypatch: pytest.MonkeyPatc
     losses = []
     for device in (only_gpu(monkeypatch), ONE_THREAD):
         _, loss, trainer = fit(still(80, coarse), device)
-        assert (trainer.on_gpu is not None) == (device.gpu is not None)
+        assert trainer.device_name == ("processor" if device.gpu is None else fake_gpu().name)
         losses.append((loss[0], np.mean(loss[40:])))
     assert losses[0][0] == pytest.approx(losses[1][0], rel=1e-5)
     assert losses[0][1] == pytest.approx(losses[1][1], rel=2e-2)
