@@ -5,13 +5,12 @@ from __future__ import annotations
 import shutil
 import subprocess
 import sys
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 
 from benchmarks.raster import Scene
 from sgicodec.cuda.gpu import Gpu
-from sgicodec.decoder.one_call import decode
 from sgicodec.decoder.stream import open_stream
 from sgicodec.device import Device
 from sgicodec.encoder.pipeline import encode_picture
@@ -33,9 +32,9 @@ from sgicodec.raster.reference import ReferenceRasterizer
 __all__ = [
     "NotRunError",
     "Tuning",
-    "check_decodes",
     "check_features",
     "check_gradients",
+    "check_images",
     "check_repeats",
     "check_sanitizer",
     "check_streams",
@@ -46,14 +45,8 @@ Tuning = Literal["visual", "psnr"]
 
 SMALL = Scene(300, 3.0, 150, 100)
 CROP = 256
-VIEWS: tuple[dict[str, Any], ...] = (
-    {},
-    {"region": (3, 5, 17, 11)},
-    {"scale": 0.4},
-    {"region": (2, 1, 16, 9), "scale": 2.5},
-    {"dtype": "uint8"},
-)
-"""Of the stream whose decodes are compared."""
+CROPS = ((SMALL.width, SMALL.height, (0, 0)), (17, 11, (33, 45)), (64, 32, (-5, 90)))
+"""Width, height and origin of what is compared with the processor's samples."""
 J_TOLERANCE = 5e-3
 """How far J of fits on a GPU may lie from J of the processor's, beside what chance explains."""
 
@@ -161,19 +154,19 @@ def cost(picture: Picture, data: bytes) -> float:
         return squared_error(picture, stream.picture()) + lmbda_of_quality(50) * 8 * len(data)
 
 
-def check_decodes(device: Device, data: bytes) -> str:
-    """Views of a stream rendered on the GPU and by the processor: the same samples, and the same ones again."""
-    for view in VIEWS:
-        on_gpu, again, on_cpu = (decode(data, device=one, **view) for one in (device, device, device.processor))
-        require(np.array_equal(on_gpu, again), "two decodes differ")
-        most = int(np.abs(on_gpu.astype(int) - on_cpu).max())
-        require(most == 0, f"a sample is {most} levels from the processor's")
-    return f"{len(VIEWS)} views of {len(data):,} bytes have the processor's samples"
+def check_images(gpu: Gpu) -> str:
+    """Crops of a scene on the GPU and by the processor: the same samples."""
+    scene = SMALL.gaussians()
+    for width, height, origin in CROPS:
+        rasters = CudaRasterizer(gpu), NativeRasterizer()
+        found, expected = (raster.forward(*scene, width, height, origin) for raster in rasters)
+        require(np.array_equal(found, expected), f"samples of a crop at {origin} are not the processor's")
+    return f"{len(CROPS)} crops have the processor's samples"
 
 
 def check_sanitizer(name: str) -> str:
-    """compute-sanitizer over gradients, steps of a fit, seeds that come and go, and a decode on the device of this
-    name: memory, and races in shared memory. Raises NotRunError where there is none.
+    """compute-sanitizer over gradients, images and steps of a fit on the device of this name: memory, and races in
+    shared memory. Raises NotRunError where there is none.
     """
     command = shutil.which("compute-sanitizer")
     if command is None:

@@ -20,9 +20,9 @@ import numpy as np
 from benchmarks._cuda_checks import (
     NotRunError,
     Tuning,
-    check_decodes,
     check_features,
     check_gradients,
+    check_images,
     check_repeats,
     check_sanitizer,
     check_streams,
@@ -34,7 +34,6 @@ from sgicodec import read
 from sgicodec.cuda.choice import device_of
 from sgicodec.cuda.compiler import ARCHITECTURES, the_compiler
 from sgicodec.cuda.gpu import Gpu, opened
-from sgicodec.decoder.stream import open_stream
 from sgicodec.device import Device
 from sgicodec.encoder.input.windows import windows_of
 from sgicodec.encoder.pipeline import encode_picture
@@ -53,27 +52,10 @@ from sgicodec.raster.cuda import CudaRasterizer
 __all__ = ["main"]
 
 SCENES = (Scene(50_000, 4.0), Scene(500_000, 1.3))
-STREAM = Path(__file__).parents[1] / "tests" / "conformance" / "golden" / "rgb8-texture.sgi"
 TILE = 256
 STEPS = 1000
 """Of the fits and encodes that are timed."""
 PICTURE = Path(__file__).parents[1] / "tests" / "data" / "kodim23.png"
-
-
-def print_decodes(device: Device, data: bytes, repeat: int) -> None:
-    """Median milliseconds of drawing a decoded stream again, and of a whole decode, on the GPU and on the processor."""
-    for one in (device, device.processor):
-        drawings, decodes = [], []
-        for _ in range(repeat):
-            started = time.monotonic()
-            with open_stream(data, one) as stream:
-                stream.picture()
-                decodes.append(time.monotonic() - started)
-                started = time.monotonic()
-                stream.picture()
-                drawings.append(time.monotonic() - started)
-        where = "processor" if one.gpu is None else "GPU"
-        click.echo(f"decode, {where}: {1e3 * median(decodes):.1f} ms, of which {1e3 * median(drawings):.1f} ms draw")
 
 
 def print_tiles(device: Device, picture: Picture, steps: int) -> None:
@@ -253,7 +235,7 @@ def main(
     whole = read(picture)
     click.echo(f"gradients: {check_gradients(gpu)}")
     click.echo(f"paper: {check_features(device, whole.pixels, 6 if kernels_alone else 60)}")
-    click.echo(f"a stream: {check_decodes(device, STREAM.read_bytes())}")
+    click.echo(f"images: {check_images(gpu)}")
     if kernels_alone:
         return None
     click.echo(f"repeated: {check_repeats(gpu, SCENES[0])}")
@@ -261,11 +243,6 @@ def main(
     print_fit(device, whole)
     print_encodes(device, whole)
     print_tiles(device, whole, steps)
-    for texture in (False, True):
-        settings = EncodeSettings(steps=steps, texture=texture, tune="psnr")
-        data = encode_picture(whole, settings, device=device.processor).data
-        click.echo(f"decodes: {check_decodes(device, data)}")
-        print_decodes(device, data, repeat)
     for tune in TUNINGS:
         click.echo(f"streams, {tune}: {check_streams(device, whole.pixels, steps, seeds, tune)}")
     print_large(name, large)

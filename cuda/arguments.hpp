@@ -40,42 +40,6 @@ struct RasterArguments {
   float *grad_colours;
 };
 
-// Samples [height, width, channels] of an image [channels, height, width] on what is behind it
-// (native/raster/finish_kernel.hpp); `type` is a SampleType.
-struct SampleArguments {
-  const float *image;
-  int32_t channels;
-  int32_t width;
-  int32_t height;
-  int32_t count;
-  int32_t taps;
-  int32_t clip;
-  int32_t type;
-  const float *lines;
-  const int32_t *top;
-  const float *down;
-  const float *planes;
-  const float *low;
-  const float *span;
-  void *out;
-};
-
-// Texture on planes [channels, height, width], from native/model/texture_tables.hpp.
-struct TextureArguments {
-  const float *amplitudes;
-  const float *across;
-  const float *down;
-  const int32_t *cells;
-  const int32_t *start;
-  const int32_t *shown;
-  const float *mix;
-  float *planes;
-  int32_t blocks_across;
-  int32_t channels;
-  int32_t width;
-  int32_t height;
-};
-
 // An exclusive sum over `count` numbers in place; behind them their total.
 struct ScanArguments {
   int32_t *values;

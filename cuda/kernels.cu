@@ -4,6 +4,4 @@
 #include "cuda/fit/rows.hpp"
 #include "cuda/raster/binning.hpp"
 #include "cuda/raster/reduction.hpp"
-#include "cuda/raster/samples.hpp"
-#include "cuda/raster/texture.hpp"
 #include "cuda/raster/tiles.hpp"

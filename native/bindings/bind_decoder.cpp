@@ -11,7 +11,6 @@
 
 #include "bindings/arrays.hpp"
 #include "bindings/bindings.hpp"
-#include "bindings/python_painter.hpp"
 #include "bindings/python_source.hpp"
 #include "bitstream/file_source.hpp"
 #include "decoder/stream.hpp"
@@ -52,11 +51,10 @@ std::unique_ptr<sgi::ByteSource> source_of(const nb::object &source) {
 }
 
 void open(sgi::Stream *self, const nb::object &source, int threads, const std::string &isa, int64_t cache_bytes,
-          int64_t block_samples, bool checked, const nb::object &painter) {
+          int64_t block_samples, bool checked) {
   require(block_samples >= 1 && block_samples <= int64_t(1) << 31, "block_samples must be 1 to 2^31");
-  const auto other = painter.is_none() ? nullptr : sgi::python_painter(painter);
-  const sgi::DecoderSettings settings{threads, sgi::choose_isa(isa), cache_bytes, block_samples, check_signals,
-                                      checked, sgi::kAnyMemory,      other};
+  const sgi::DecoderSettings settings{threads,       sgi::choose_isa(isa), cache_bytes,
+                                      block_samples, check_signals,        checked};
   auto bytes = source_of(source);
   const nb::gil_scoped_release release;
   new (self) sgi::Stream(std::move(bytes), settings);
@@ -141,8 +139,7 @@ nb::list levels(int64_t width, int64_t height) {
 void bind_decoder(nb::module_ &m) {
   nb::class_<sgi::Stream>(m, "Stream")
       .def("__init__", &open, "source"_a, "threads"_a, "isa"_a, "cache_bytes"_a, "block_samples"_a = int64_t(1) << 27,
-           "checked"_a = true, "painter"_a = nb::none(),
-           "painter: draws in the processor's place (sgicodec.raster.painter).")
+           "checked"_a = true)
       .def_prop_ro("size", [](const sgi::Stream &self) { return self.chunks().size(); })
       .def_prop_ro("blobs", &blobs)
       .def_prop_ro("chunk_bytes", &chunk_bytes)

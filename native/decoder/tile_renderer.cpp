@@ -168,19 +168,12 @@ const TileRenderer::Whole *TileRenderer::whole(const PictureView &view, int thre
   return &whole_.emplace(std::move(drawn));
 }
 
-bool TileRenderer::is_painted() const {
-  return settings_.painter && header_.spec.channels <= settings_.painter->most_channels();
-}
-
 void TileRenderer::draw_blocks(const PictureView &view, int64_t x, int64_t y, const PixelBlock &block,
                                const SampleFormat &format, int threads) {
   const bool restores = restoration_ && std::min(view.sx, view.sy) >= 1;
-  // As much more is held of a block. A painter takes all Gaussians again for each, so that floats of a whole block are
-  // held, drawn and restored.
-  const int64_t share = is_painted() ? (restores ? 2 : 1) : restores ? 64 : texture_ ? 16 : 1;
+  const int64_t share = restores ? 64 : texture_ ? 16 : 1;  // as much more is held of a block
   int64_t most = std::max<int64_t>(1, settings_.block_samples / share);
-  if (restores && !is_painted())
-    most = std::min(most, band_samples(block.columns * block.rows * header_.spec.channels, threads));
+  if (restores) most = std::min(most, band_samples(block.columns * block.rows * header_.spec.channels, threads));
   const int64_t width = std::min(block.columns, int64_t(std::ceil(4 * std::sqrt(double(most)))));  // flat blocks
   const int64_t height = std::max<int64_t>(1, most / (width * header_.spec.channels));
   Restored tools{{Rasterizer(settings_.isa, threads, kMaxPairs), gaussians_, 0, 0}, tools_for(view, threads)};
@@ -239,7 +232,6 @@ void TileRenderer::draw_block(Tools &tools, const PictureView &view, int64_t x, 
     behind.lines = base.lines.data(), behind.count = base.count, behind.width = block.columns;
     behind.top = base.top.data(), behind.down = base.down.data(), behind.taps = base.taps;
   }
-  std::optional<TextureView> textured;
   if (texture_) {
     const Texture texture{texture_->corner.data(),
                           texture_->log_size.data(),
@@ -249,20 +241,13 @@ void TileRenderer::draw_block(Tools &tools, const PictureView &view, int64_t x, 
                           header_.width,
                           header_.height};
     const float *mix = texture_mix_.empty() ? nullptr : texture_mix_.data();
-    textured = TextureView{texture, across, down, mix};
-    if (!is_painted()) {
-      float *planes = tools.planes.room(block.columns * block.rows * spec.channels);
-      draw_texture(texture, across, down, mix, threads, settings_.isa, planes);
-      behind.planes = planes, behind.height = block.rows, behind.plane_width = block.columns;
-    }
+    float *planes = tools.planes.room(block.columns * block.rows * spec.channels);
+    draw_texture(texture, across, down, mix, threads, settings_.isa, planes);
+    behind.planes = planes, behind.height = block.rows, behind.plane_width = block.columns;
   }
   const View crop{int(across.first - tools.left), int(down.first - tools.top), int(block.columns), int(block.rows)};
   try {
-    const Gaussians gaussians = tools.gaussians.view();
-    if (is_painted())
-      settings_.painter->draw(gaussians, crop, kCutoff, behind, textured ? &*textured : nullptr, format.samples(block));
-    else
-      tools.raster.draw(gaussians, crop, kCutoff, behind, format.samples(block));
+    tools.raster.draw(tools.gaussians.view(), crop, kCutoff, behind, format.samples(block));
   } catch (const std::overflow_error &) {
     throw Error(Fault::limit, "the Gaussians cover too much of the picture; decode smaller regions");
   }

@@ -9,7 +9,6 @@
 
 #include "base/kept_floats.hpp"
 #include "bitstream/tile.hpp"
-#include "decoder/painter.hpp"
 #include "decoder/samples.hpp"
 #include "decoder/view.hpp"
 #include "model/restoration.hpp"
@@ -22,12 +21,10 @@ struct DecoderSettings {
   Isa isa = Isa::portable;
   int64_t cache_bytes = int64_t(1) << 28;    // what decoded tiles may take before those used least recently go
   int64_t block_samples = int64_t(1) << 27;  // rendered at a time; a sixteenth if the processor has texture as floats,
-                                             // a quarter of that at most where it restores; half where a painter
-                                             // draws what is restored
+                                             // a quarter of that at most where it restores
   std::function<void()> between = nullptr;   // called between tiles by who draws them; what it throws ends the call
   bool checked = true;                       // as of `read_tile`
   int64_t tile_memory = kAnyMemory;          // as of `read_tile`
-  std::shared_ptr<Painter> painter;          // draws what has no more channels than it can; null for the processor
 };
 
 // What is known of a decoded tile besides what it draws.
@@ -90,7 +87,6 @@ class TileRenderer {
     KeptFloats drawn = {}, values = {};
   };
 
-  bool is_painted() const;  // by another than the processor
   void take(const TileModel &model, int threads);
   const Whole *whole(const PictureView &view, int threads);
   void draw_blocks(const PictureView &view, int64_t x, int64_t y, const PixelBlock &block, const SampleFormat &format,

@@ -18,7 +18,6 @@ from sgicodec.cli.options import (
     Sized,
     batch_options,
     complete_files,
-    decoding_device_option,
     force_option,
     json_option,
     output_option,
@@ -29,7 +28,7 @@ from sgicodec.cli.options import (
 from sgicodec.cli.paths import is_stream, refuse_folder
 from sgicodec.cli.pictures import Output
 from sgicodec.cli.views import ViewOptions
-from sgicodec.cuda.choice import decoding_device_of
+from sgicodec.device import Device
 from sgicodec.errors import StreamError, UsageError
 from sgicodec.plugins.compression import Compression
 
@@ -88,7 +87,6 @@ __all__ = ["decode"]
 @output_option
 @batch_options
 @threads_option
-@decoding_device_option
 @force_option
 @progress_option
 @json_option
@@ -116,7 +114,6 @@ def decode(
     recursive: bool,
     skip_existing: bool,
     threads: int,
-    device: str,
     force: bool,
     progress: Mode,
     as_json: bool,
@@ -141,7 +138,7 @@ def decode(
         view,
         DecodeLimits.of(max_pixels, max_memory),
         Output(bits, png_level, threads, "cog" if cog else "tiff" if pyramid else None, compression),
-        decoding_device_of(device, threads),
+        Device(threads),
         format_,
         metadata,
         exact,

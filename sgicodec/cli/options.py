@@ -26,7 +26,6 @@ __all__ = [
     "Sized",
     "batch_options",
     "complete_files",
-    "decoding_device_option",
     "device_option",
     "force_option",
     "json_option",
@@ -181,13 +180,6 @@ device_option = click.option(
     show_default=True,
     metavar="NAME",
     help="What fits: cpu, cuda or cuda:N for a GPU, auto for one if there is.",
-)
-decoding_device_option = click.option(
-    "--device",
-    default="auto",
-    show_default=True,
-    metavar="NAME",
-    help="What draws: cpu, cuda or cuda:N for a GPU; auto is cpu.",
 )
 output_option = click.option(
     "-o", "--output", type=_Name(), metavar="OUT", help="Write to this file, whatever it is called."

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from sgicodec.device import Device
 from sgicodec.errors import SgiError, UsageError
 
-__all__ = ["CHOICES", "NamedDevice", "check_name", "decoding_device_of", "device_of"]
+__all__ = ["CHOICES", "NamedDevice", "check_name", "device_of"]
 
 CHOICES = "auto, cpu, cuda or cuda:N"
 
@@ -37,13 +37,6 @@ def device_of(name: str = "auto", threads: int = 0) -> Device:
             raise
         return Device(threads)
     return Device(threads, gpu=number or 0)
-
-
-def decoding_device_of(name: str = "auto", threads: int = 0) -> Device:
-    """The device that decodes: as `device_of`, but `auto` is the processor, which has drawn most pictures before a GPU
-    is ready (docs/performance.md).
-    """
-    return device_of("cpu" if name == "auto" else name, threads)
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import ctypes
 from contextlib import suppress
 from functools import cache
-from threading import Lock, local
+from threading import local
 from typing import Any
 
 import numpy as np
@@ -14,7 +14,7 @@ from numpy.typing import DTypeLike, NDArray
 from sgicodec.cuda.compiler import compiled
 from sgicodec.cuda.driver import CudaError, Driver, Pointer, the_driver
 
-__all__ = ["Gpu", "GpuArray", "opened", "own_gpus", "shared"]
+__all__ = ["Gpu", "GpuArray", "opened", "own_gpus"]
 
 _NON_BLOCKING = ctypes.c_uint(1)
 """CU_STREAM_NON_BLOCKING."""
@@ -23,8 +23,6 @@ _NON_BLOCKING = ctypes.c_uint(1)
 class Gpu:
     """GPU `index` with the kernels of `image`, machine code for it or PTX. Not safe for use by two threads at once.
     Kernels and stream go with it.
-
-    turn: held by threads that share it.
     """
 
     def __init__(self, driver: Driver, index: int, image: bytes) -> None:
@@ -33,7 +31,6 @@ class Gpu:
         self.use()
         self._module = driver.handle("cuModuleLoadData", ctypes.c_char_p(image))
         self._functions: dict[str, Pointer] = {}
-        self.turn = Lock()
         self.stream = driver.handle("cuStreamCreate", _NON_BLOCKING)
 
     def __del__(self) -> None:
@@ -139,12 +136,6 @@ def opened(index: int) -> Gpu:
     if index not in held:
         held[index] = _open(index)
     return held[index]
-
-
-@cache
-def shared(index: int) -> Gpu:
-    """The same for all threads, which take turns."""
-    return _open(index)
 
 
 class _Own(local):

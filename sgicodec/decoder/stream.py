@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping as Lookup
+from collections.abc import Mapping
 from contextlib import suppress
 from functools import partial
 from io import BufferedReader
@@ -40,8 +40,6 @@ CACHE_BYTES = 1 << 28
 """What decoded tiles may take before those that were used least recently are released."""
 BLOCK_SAMPLES = 1 << 27
 """A picture is rendered in blocks of at most so many samples; a sixteenth with texture, which is rendered to floats."""
-GPU_BLOCK_SAMPLES = 1 << 25
-"""The same on a GPU, where every block is floats, too: 128 MiB; half where the processor restores what it draws."""
 
 BytesLike = bytes | bytearray | memoryview | Any
 """Whatever has a buffer: also mmap, and arrays of bytes."""
@@ -189,7 +187,7 @@ class Stream(ArrayView):
         return self.survey().symbol_crc
 
     @property
-    def part_bytes(self) -> Lookup[str, float]:
+    def part_bytes(self) -> Mapping[str, float]:
         """Bytes of each part of the tiles, by information content."""
         return self.survey().part_bytes
 
@@ -302,13 +300,7 @@ def open_stream(source: str | os.PathLike[str] | BytesLike | BinaryIO, device: D
 
 
 def _opened(source: bytes | BinaryIO | int, device: Device) -> _native.Stream:
-    if device.gpu is None:
-        return _native.Stream(source, device.threads, device.isa, CACHE_BYTES, BLOCK_SAMPLES)
-    from sgicodec.cuda import gpu
-    from sgicodec.raster.painter import GpuPainter
-
-    painter = GpuPainter(gpu.shared(device.gpu))
-    return _native.Stream(source, device.threads, device.isa, CACHE_BYTES, GPU_BLOCK_SAMPLES, painter=painter)
+    return _native.Stream(source, device.threads, device.isa, CACHE_BYTES, BLOCK_SAMPLES)
 
 
 def _file_at(path: str) -> BinaryIO:

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from sgicodec.device import ALL_CORES, Device
 from sgicodec.errors import UsageError
-from sgicodec.raster.backend import DEFAULT_CUTOFF, Backend, Background, Mapping, nothing_behind
+from sgicodec.raster.backend import DEFAULT_CUTOFF, Backend
 from sgicodec.raster.cpu import NativeRasterizer
 from sgicodec.raster.reference import ReferenceRasterizer
 from sgicodec.raster.rescaling import scaled
@@ -21,12 +21,9 @@ if TYPE_CHECKING:
 __all__ = [
     "DEFAULT_CUTOFF",
     "Backend",
-    "Background",
-    "Mapping",
     "NativeRasterizer",
     "ReferenceRasterizer",
     "backend_of",
-    "nothing_behind",
     "rasterize",
     "scaled",
 ]

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal, NamedTuple, Protocol, TypeVar
+from typing import Literal, NamedTuple, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["DEFAULT_CUTOFF", "Backend", "Background", "Errors", "Loss", "Mapping", "nothing_behind"]
+__all__ = ["DEFAULT_CUTOFF", "Backend", "Errors", "Loss"]
 
 F32 = NDArray[np.float32]
 
@@ -25,31 +25,6 @@ class Errors(NamedTuple):
 
     loss: float
     squared: float
-
-
-class Background(NamedTuple):
-    """What is behind the Gaussians: row i is the sum over t of down[i, t] · lines[:, top[i] + t], and of `planes`.
-
-    lines [C, L, width], top [height], down [height, T], empty for no lines; planes [C, height, width] or None.
-    """
-
-    lines: F32
-    top: NDArray[np.int32]
-    down: F32
-    planes: F32 | None = None
-
-
-def nothing_behind(channels: int, planes: F32 | None = None) -> Background:
-    """A background without lines."""
-    lines = np.zeros((channels, 0, 0), np.float32), np.zeros(0, np.int32), np.zeros((0, 0), np.float32)
-    return Background(*lines, planes)
-
-
-class Mapping(NamedTuple):
-    """The sample low + span · v that stands for a value v, clipped to 0 … 1, by channel [C]."""
-
-    low: F32
-    span: F32
 
 
 class Backend(Protocol[Array]):
@@ -70,21 +45,6 @@ class Backend(Protocol[Array]):
         origin: tuple[int, int] = (0, 0),
     ) -> Array:
         """The image."""
-        ...
-
-    def draw(
-        self,
-        means: Array,
-        covariances: Array,
-        colours: Array,
-        out: NDArray[Any],
-        origin: tuple[int, int] = (0, 0),
-        background: Background | None = None,
-        mapping: Mapping | None = None,
-    ) -> None:
-        """Draws onto `background` and stores samples in out [height, width, C], uint8, uint16 or float32: with a
-        `mapping` those that it maps to, without one the values as they are, in float32.
-        """
         ...
 
     def error(

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec import _native
 from sgicodec.device import ALL_CORES, PROCESSOR, Device
-from sgicodec.raster.backend import DEFAULT_CUTOFF, Background, Errors, Loss, Mapping, nothing_behind
+from sgicodec.raster.backend import DEFAULT_CUTOFF, Errors, Loss
 
 __all__ = ["NativeRasterizer"]
 
@@ -59,31 +57,6 @@ class NativeRasterizer:
         image = np.empty((colours.shape[1], height, width), np.float32)
         self._raster.forward(means, covariances, colours, image, *origin, self.cutoff)
         return image
-
-    def draw(
-        self,
-        means: F32,
-        covariances: F32,
-        colours: F32,
-        out: NDArray[Any],
-        origin: tuple[int, int] = (0, 0),
-        background: Background | None = None,
-        mapping: Mapping | None = None,
-    ) -> None:
-        """Draws onto `background` and stores samples in out [height, width, C], uint8, uint16 or float32, a view maybe
-        whose rows are apart. There is no image of floats in between: a tile is finished while it is in the cache.
-
-        With a `mapping` values are clipped to 0..1, mapped in float32 and, for integers, rounded to nearest with ties
-        to even; without, out is float32 and takes them as they are.
-        """
-        channels = colours.shape[1]
-        nothing = np.zeros(channels, np.float32)
-        low, span = mapping or (nothing, nothing)
-        lines, top, down, planes = background or nothing_behind(channels)
-        clip = mapping is not None
-        self._raster.draw(
-            *(means, covariances, colours, out, *origin, self.cutoff), *(lines, top, down, planes), *(low, span, clip)
-        )
 
     def error(
         self,

@@ -10,9 +10,8 @@ from numpy.typing import NDArray
 from sgicodec.cuda.gpu import Gpu, GpuArray
 from sgicodec.cuda.tiles import MAX_CHANNELS, CudaView, TilePasses
 from sgicodec.errors import UsageError
-from sgicodec.raster.backend import DEFAULT_CUTOFF, Background, Errors, Loss, Mapping, nothing_behind
+from sgicodec.raster.backend import DEFAULT_CUTOFF, Errors, Loss
 from sgicodec.raster.cpu import MAX_PAIRS
-from sgicodec.raster.cuda_samples import stored_samples
 
 __all__ = ["CudaRasterizer"]
 
@@ -42,25 +41,6 @@ class CudaRasterizer:
     ) -> F32:
         """As in `Backend`."""
         return self._image((means, covariances, colours), CudaView(width, height, *origin)).download()
-
-    def draw(
-        self,
-        means: F32,
-        covariances: F32,
-        colours: F32,
-        out: NDArray[Any],
-        origin: tuple[int, int] = (0, 0),
-        background: Background | None = None,
-        mapping: Mapping | None = None,
-        planes: GpuArray | None = None,
-    ) -> None:
-        """As in `Backend`; `planes` [C, height, width] on the GPU stand for those of the background."""
-        image = self._image((means, covariances, colours), CudaView(out.shape[1], out.shape[0], *origin))
-        samples = stored_samples(image, background or nothing_behind(colours.shape[1]), mapping, out.dtype, planes)
-        if out.flags.c_contiguous:
-            samples.download(out)
-        else:
-            out[...] = samples.download()
 
     def error(
         self,

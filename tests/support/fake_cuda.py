@@ -21,7 +21,7 @@ from sgicodec.cuda.driver import the_driver
 from sgicodec.cuda.gpu import Gpu
 from sgicodec.device import Device
 
-__all__ = ["backwards", "fake_driver", "fake_gpu", "library", "only_gpu", "shared_gpu"]
+__all__ = ["backwards", "fake_driver", "fake_gpu", "library", "only_gpu"]
 
 ROOT = Path(__file__).resolve().parents[2]
 SOURCE = Path(__file__).with_suffix(".cpp")
@@ -59,11 +59,6 @@ def fake_gpu() -> Gpu:
     return _of_thread(get_ident())
 
 
-def shared_gpu() -> Gpu:
-    """The same for all threads, which take turns."""
-    return _of_thread(0)
-
-
 @cache
 def _of_thread(thread: int) -> Gpu:
     fake_driver()
@@ -83,5 +78,4 @@ def backwards() -> Iterator[None]:
 def only_gpu(monkeypatch: pytest.MonkeyPatch) -> Device:
     """A device with the fake GPU, which whoever opens GPU 0 gets."""
     monkeypatch.setattr("sgicodec.cuda.gpu.opened", lambda index: fake_gpu())
-    monkeypatch.setattr("sgicodec.cuda.gpu.shared", lambda index: shared_gpu())
     return Device(threads=1, gpu=0)

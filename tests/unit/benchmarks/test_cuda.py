@@ -46,15 +46,13 @@ def test_everything_in_one_run(tmp_path, monkeypatch: pytest.MonkeyPatch) -> Non
         "gradients",
         "paper",
         "repeated",
-        "decodes",
-        "decode, GPU",
-        "decode, processor",
+        "images",
         "streams, visual",
         "streams, psnr",
         "large",
         "sanitizer",
     }
-    assert lines["decodes"].endswith("have the processor's samples")
+    assert lines["images"].endswith("have the processor's samples")
     assert "tiles of 32, 1 at a time" in done.output
     for tune in ("visual", "psnr"):
         assert lines[f"streams, {tune}"].startswith("equal bytes twice; J ")
@@ -79,7 +77,7 @@ def test_what_the_sanitizer_looks_at_is_every_kernel(monkeypatch: pytest.MonkeyP
     monkeypatch.setattr(cuda, "the_compiler", lambda: type("", (), {"version": "13.0"}))
     monkeypatch.setattr(checks, "CROP", 64)
     done = CliRunner().invoke(cuda.main, ["--kernels-alone"], catch_exceptions=False)
-    assert [line.split(":")[0] for line in done.output.splitlines()[1:]] == ["gradients", "paper", "a stream"]
+    assert [line.split(":")[0] for line in done.output.splitlines()[1:]] == ["gradients", "paper", "images"]
     text = "".join(path.read_text("utf-8") for path in (sources.root() / "cuda").rglob("*.hpp"))
     found = re.findall(r"^ *SGI_KERNEL\((\w+?)(_##C)?,", text, re.MULTILINE)
     assert launched == {f"{name}_3" if channels else name for name, channels in found}

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from sgicodec.cuda import choice
-from sgicodec.cuda.choice import decoding_device_of, device_of
+from sgicodec.cuda.choice import device_of
 from sgicodec.device import Device
 from sgicodec.errors import MissingExtraError, NoDeviceError
 
@@ -27,9 +27,6 @@ def test_names() -> None:
     assert device_of("cuda:1") == Device(gpu=1)
     with pytest.raises(NoDeviceError, match="no GPU 2"):
         device_of("cuda:2")
-    assert decoding_device_of("auto", 3) == decoding_device_of("cpu", 3) == Device(3)
-    assert decoding_device_of("cuda", 3) == Device(3, gpu=0)
-    assert decoding_device_of("cuda:1") == Device(gpu=1)
 
 
 @pytest.mark.parametrize("error", [NoDeviceError("no driver"), MissingExtraError("no NVRTC"), MemoryError("full")])

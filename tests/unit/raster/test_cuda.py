@@ -1,4 +1,4 @@
-"""The CUDA back end beside the processor's: order, samples and bounds (test_backend.py has the float64 dense sum)."""
+"""The CUDA back end beside the processor's: order and bounds (test_backend.py has the float64 dense sum)."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ import pytest
 from fake_cuda import fake_gpu
 from scenes import backward, random_scene
 
-from sgicodec.raster.backend import Background, Mapping, nothing_behind
 from sgicodec.raster.cpu import NativeRasterizer
 from sgicodec.raster.cuda import CudaRasterizer
 
@@ -38,29 +37,3 @@ def test_a_cutoff_is_the_same_forward_and_backward() -> None:
         alone = tuple(array[i : i + 1] for array in (scene[0], scene[1], np.ones((20, 1), np.float32)))
         image = CudaRasterizer(fake_gpu()).forward(*alone, 40, 30).astype(np.float64)
         assert slopes[i] == pytest.approx(float((image * grad).sum()), rel=1e-4, abs=1e-4)
-
-
-@pytest.mark.parametrize("behind", ["planes", "lines", "both"])
-@pytest.mark.parametrize("dtype", [np.uint8, np.uint16, np.float32])
-def test_samples_on_a_background(dtype: type, behind: str) -> None:
-    """As the processor makes them: clipped, mapped, rounded to nearest; not-a-number is 0."""
-    rng = np.random.default_rng(9)
-    scene = random_scene(rng, 30, 3, 24, 16)
-    planes = rng.uniform(-1, 1, size=(3, 16, 24)).astype(np.float32)
-    planes[1, 2, 3] = np.nan
-    lines = rng.uniform(-1, 1, (3, 7, 24)).astype(np.float32), rng.integers(0, 4, 16).astype(np.int32)
-    weights = rng.uniform(0, 1, (16, 4)).astype(np.float32)
-    background = nothing_behind(3, planes) if behind == "planes" else Background(*lines, weights)
-    background = background._replace(planes=planes) if behind == "both" else background
-    top = {np.uint8: 255, np.uint16: 60000, np.float32: 2.5}[dtype]
-    mapping = Mapping(np.array([0, 3, 0], np.float32) * (dtype != np.uint8), np.full(3, top, np.float32))
-    held = np.zeros((2, 16, 30, 3), dtype)
-    ours, cpu = held[:, :, :24]  # rows of a larger picture
-    for raster, out in ((CudaRasterizer(fake_gpu(), WIDE), ours), (NativeRasterizer(cutoff=WIDE), cpu)):
-        raster.draw(*scene, out, background=background, mapping=mapping)
-    np.testing.assert_array_equal(ours, cpu)
-    assert ours.std() > top / 25
-    assert not held[:, :, 24:].any()
-    whole = np.ascontiguousarray(ours)
-    CudaRasterizer(fake_gpu(), WIDE).draw(*scene, whole, background=background, mapping=mapping)
-    np.testing.assert_array_equal(whole, ours)
