@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 from sgicodec.device import Device
 from sgicodec.encoder.quality_calibration import CalibratedSteps
 from sgicodec.encoder.tile.restoration import Strength, rendered_over
+from sgicodec.encoder.tile.screen import Screen
 from sgicodec.encoder.tile.state import TileState
 from sgicodec.metrics.visual_score import VisualReference
-from sgicodec.model.luma_space import from_luma_space
 from sgicodec.model.texture_symbols import TextureSymbols
 from sgicodec.rdoq.texture import TextureSearch
 
@@ -47,8 +47,8 @@ class Perceptual:
         step, price = tuning.step(state.lmbda), tuning.price(state.lmbda)
         layer = state.best_layer(search, step, price)
         state = replace(state, strength=state.best_strength(search, layer))
-        seen = (tile.unit, tile.spec.luma_space, tile.empty)
-        ascent = ScoreAscent(*seen, tile.device, passes, state.strength)
+        screen = Screen(tile.spec.luma_space, tile.picture.alpha is not None)
+        ascent = ScoreAscent(tile.unit, screen, tile.empty, tile.device, passes, state.strength)
         steps = CalibratedSteps(tile.plan.calibrated_quality, step, passes)
         for _ in range(passes):
             if tile.watch.ending() or layer is None:
@@ -59,31 +59,31 @@ class Perceptual:
 
 
 class ScoreAscent:
-    """The ascent for layers of one picture in so many passes. unit [C, H, W]: what they are to show, in luma space
-    where `luma_space`; empty [H, W]: pixels that count nothing, None for none; strength: with which what is rendered is
-    restored, None for not at all.
+    """The ascent for layers of one picture in so many passes. unit [C, H, W]: what they are to show; screen: how that
+    is seen; empty [H, W]: pixels that count nothing, None for none; strength: with which what is rendered is restored,
+    None for not at all.
     """
 
     def __init__(
         self,
         unit: F32,
-        luma_space: bool,
+        screen: Screen,
         empty: NDArray[np.bool_] | None,
         device: Device,
         passes: int,
         strength: Strength | None = None,
     ) -> None:
-        self.unit, self.luma_space, self.empty, self.device, self.strength = unit, luma_space, empty, device, strength
+        self.unit, self.screen, self.empty, self.device, self.strength = unit, screen, empty, device, strength
         self._mean_move = MEAN_MOVE / passes**SHORTER_BY_PASSES
-        self._reference = VisualReference(self._seen(unit), device)
+        self._reference = VisualReference(screen.shown(unit), device)
 
     def climb(self, search: TextureSearch, layer: TextureSymbols, offsets: Offsets) -> float:
         """Moves the target of `search` from the layer that it found up the gradient, that of the layer's blocks alone.
         Returns SSIMULACRA 2 of the layer. offsets [rows, columns]: of its steps, None for none.
         """
         rendered = self._rendered(search, layer)
-        score, gradient = self._reference.gradient(self._seen(rendered))
-        gradient = self._in_unit(gradient)
+        score, shown = self._reference.gradient(self.screen.shown(rendered))
+        gradient = self.screen.gradient(rendered, shown)
         if self.empty is not None:
             gradient[:, self.empty] = 0
         mean = self._mean_move
@@ -98,15 +98,3 @@ class ScoreAscent:
         if self.empty is not None:
             rendered[:, self.empty] = self.unit[:, self.empty]
         return rendered
-
-    def _seen(self, planes: F32) -> F32:
-        """Samples as they are seen."""
-        if not self.luma_space:
-            return planes
-        return np.tensordot(from_luma_space(len(planes)).astype(np.float32), planes, axes=1)
-
-    def _in_unit(self, gradient: F32) -> F32:
-        """A gradient in samples as they are seen, in those of `unit`."""
-        if not self.luma_space:
-            return gradient
-        return np.tensordot(from_luma_space(len(gradient)).T.astype(np.float32), gradient, axes=1)

@@ -12,6 +12,7 @@ from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
 from sgicodec.bitstream.parts.texture import write_texture
 from sgicodec.device import ONE_THREAD
 from sgicodec.encoder.tile.perceptual import ScoreAscent
+from sgicodec.encoder.tile.screen import Screen
 from sgicodec.encoder.tile.texture_steps import TUNINGS, Masking
 from sgicodec.metrics.scores import scores
 from sgicodec.metrics.visual_score import VisualReference
@@ -52,7 +53,7 @@ class Case:
 
     def ascend(self, passes: int) -> list[float]:
         """Returns the scores of the layers."""
-        ascent = ScoreAscent(self.unit, self.luma_space, self.empty, ONE_THREAD, passes)
+        ascent = ScoreAscent(self.unit, Screen(self.luma_space), self.empty, ONE_THREAD, passes)
         layer, scores = None, []
         for _ in range(passes):
             layer = self.found(layer)
@@ -126,7 +127,7 @@ def test_other_channels_than_three(channels: int) -> None:
         return VisualReference(unit, ONE_THREAD).score(0.5 + layer.layer().draw())
 
     before = score()
-    ascent, layer = ScoreAscent(unit, False, None, ONE_THREAD, passes=2), None
+    ascent, layer = ScoreAscent(unit, Screen(), None, ONE_THREAD, passes=2), None
     for _ in range(2):
         layer = search.at(steps, TUNING.squared_steps, None, layer)
         assert layer is not None
