@@ -90,7 +90,9 @@ double TextureAxis::total(double middle) const {
 int64_t TextureAxis::write_table(const Edges &edges, int64_t first, int64_t count) {
   const int side = edges.side;
   const double low = edges.begin - (edges.hard_low ? 0 : kTextureOverlap);
-  const double high = std::min(edges.begin + side + (edges.hard_high ? 0 : kTextureOverlap), end_);
+  // A table that cells share is that of one that ends inside: of one that does not, what lies behind is not rendered.
+  const double last = edges.begin + side + (edges.hard_high ? 0 : kTextureOverlap),
+               high = shared_ ? last : std::min(last, end_);
   const int64_t at = int64_t(values_.size()), stride = along_pixels_ ? count + kTexturePadding : side;
   values_.resize(at + (along_pixels_ ? side : count) * stride);
   for (int64_t i = 0; i < count; ++i) {

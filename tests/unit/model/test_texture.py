@@ -18,3 +18,16 @@ def test_other_cells_are_refused(corner: tuple[int, int], log_size: int, values:
     )
     with pytest.raises(ValueError, match=r"corner|log_size|amplitudes"):
         layer.draw()
+
+
+def test_a_cell_that_reaches_over_the_end_changes_no_other() -> None:
+    """Of one size, which share their tables: the first of them ends behind the tile."""
+    rng = np.random.default_rng(4)
+    corner, log_size = np.array([[64, 0], [32, 0]], np.int32), np.array([5, 5], np.uint8)
+    amplitudes = rng.normal(size=(2, 32 * 32)).astype(np.float32)
+    both, over, inside = (
+        TextureLayer((72, 40), 1, corner[some], log_size[some], amplitudes[some].ravel()).draw()
+        for some in (slice(0, 2), slice(0, 1), slice(1, 2))
+    )
+    assert np.abs(inside[:, :28, 44:60]).min() > 0
+    np.testing.assert_allclose(both, over + inside, atol=1e-5)
