@@ -14,6 +14,7 @@ __all__ = ["BENCHMARKS", "main"]
 BENCHMARKS = {
     "decode": ("benchmarks.decode", "What decoding costs, next to another version of the package."),
     "ladder": ("benchmarks.ladder", "What each effort takes and gives, beside AVIF and JPEG XL."),
+    "alpha": ("benchmarks.alpha", "Bytes and scores of pictures with alpha, beside AVIF and WebP."),
     "raster": ("benchmarks.raster", "The native rasteriser's passes, next to the peak of the cores."),
     "cuda": ("benchmarks.cuda", "Check and measure the kernels on a GPU; count floors without."),
     "paper": ("benchmarks.paper.command", "The paper's tables, measured again beside its own figures."),

@@ -14,7 +14,8 @@ __all__ = ["ALL_CORES", "ONE_THREAD", "PROCESSOR", "Device", "check_device", "ch
 @dataclass(frozen=True)
 class Device:
     """threads: 0 for one per core. isa: auto, avx512, avx2 or portable. gpu: the number of an NVIDIA GPU that fits, as
-    far as its kernels can (`cuda.choice.device_of` says which there are), None for the processor alone. Raises UsageError for an instruction set that this machine lacks.
+    far as its kernels can (`cuda.choice.device_of` says which there are), None for the processor alone. Raises
+    UsageError for an instruction set that this machine lacks.
 
     What a stream decodes to depends on nothing of it. What an encode makes of a picture does not depend on `threads`,
     but may on `isa` and `gpu`, where sums are rounded in another order. A program makes one where it begins and hands

@@ -147,6 +147,7 @@ void bind_decoder(nb::module_ &m) {
       .def_prop_ro("graphics_error", &sgi::Stream::graphics_error, Released(),
                    "-1 where nothing is said of text alone.")
       .def_prop_ro("has_exact_views", &sgi::Stream::has_exact_views, Released())
+      .def_prop_ro("has_exact_alpha", &sgi::Stream::has_exact_alpha, Released())
       .def_prop_ro("has_overview", &sgi::Stream::has_overview)
       .def_prop_ro("overview", &sgi::Stream::overview, Released(), nb::rv_policy::reference_internal)
       .def_prop_ro("overview_bytes", [](const sgi::Stream &self) { return as_bytes(self.overview_bytes()); })

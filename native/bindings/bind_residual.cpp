@@ -28,8 +28,8 @@ auto code_residual(Samples samples, Samples drawn, nb::bytes header, nb::bytes f
   const sgi::Header whole = sgi::decode_header(bytes_of(header));
   size_t at = 0;
   const sgi::ResidualForm stated = sgi::read_residual_form(whole, bytes_of(form), at);
-  require(int(samples.shape(2)) == whole.spec.channels && samples.size() > 0,
-          "a block has pixels, of as many channels as the header has");
+  require(samples.shape(2) == stated.grids.size() && samples.size() > 0,
+          "a block has pixels, of as many channels as the form has");
   const sgi::ResidualBlock block{whole, stated, int64_t(samples.shape(1)), int64_t(samples.shape(0)), drawn.data()};
   require(cells.size() == block.cells(), "a number for each cell of the block");
   sgi::ResidualSamples found{{samples.data(), samples.data() + samples.size()},

@@ -25,6 +25,7 @@ struct ResidualForm {
   bool has_bits;     // whether floats come back bit by bit, not only their values on the grid
   bool has_views;    // whether views at other scales and in other types are made from these samples
   bool has_cells;    // whether some cells of the picture alone are coded
+  bool is_alpha;     // whether alpha alone is coded, for every view; all that follows is then of that channel
   std::vector<ResidualGrid> grids;
   std::vector<int32_t>
       palette;  // [colours, channels] values of all that a pixel may be; empty where that is not stated

@@ -16,7 +16,7 @@ namespace sgi {
 namespace {
 
 constexpr size_t kCrcBytes = 4;
-constexpr int64_t kHasBits = 1, kHasViews = 2, kHasPalette = 4, kHasCells = 8;
+constexpr int64_t kHasBits = 1, kHasViews = 2, kHasPalette = 4, kHasCells = 8, kIsAlpha = 16;
 
 [[noreturn]] void corrupt(const char *text) { throw Error(Fault::corrupt, std::string("residual layer: ") + text); }
 
@@ -115,7 +115,8 @@ bool code_block(const ResidualBlock &block, Isa isa, Bits &bits, ResidualSamples
   if (block.form.has_cells && !code_cells(block, bits, given.cells)) return false;
   if (block.form.colours()) return code_colours(block, isa, bits, given);
   float *samples = given.samples.data();
-  const bool is_rgb = block.header.channels == ChannelLayout::rgb || block.header.channels == ChannelLayout::rgba;
+  const ChannelLayout layout = block.header.channels;
+  const bool is_rgb = !block.form.is_alpha && (layout == ChannelLayout::rgb || layout == ChannelLayout::rgba);
   const ResidualShape shape{block.width, block.height, is_rgb, block.form.grids};
   GridBlock drawn = on_grids(block.header, block.form, block.drawn, block.width, block.samples());
   hold_others(block, given.cells, block.form.grids.size(), drawn);
@@ -135,16 +136,18 @@ int64_t longest_residual_table(const Header &header) {
 }
 
 ResidualForm read_residual_form(const Header &header, Bytes start, size_t &at) {
-  ResidualForm form{
-      read_real(start, at), false, false, false, std::vector<ResidualGrid>(size_t(header.spec.channels)), {}};
+  ResidualForm form{read_real(start, at), false, false, false, false, {}, {}};
   if (!(form.max_error >= 0) || std::isinf(form.max_error)) corrupt("its greatest error is no number from 0 on");
   const int64_t flags = decode_varint(start, at);
   form.has_bits = flags & kHasBits, form.has_views = flags & kHasViews, form.has_cells = flags & kHasCells;
-  if (flags > (kHasBits | kHasViews | kHasPalette | kHasCells) ||
+  form.is_alpha = flags == kIsAlpha;
+  const bool has_all = header.masked != Masked::nodata && !header.has_exact;
+  if ((flags > (kHasBits | kHasViews | kHasPalette | kHasCells) && !form.is_alpha) ||
+      (form.is_alpha && (!has_all || header.alpha() < 0 || header.sample_type == SampleType::f32)) ||
       (form.has_bits && header.sample_type != SampleType::f32) ||
-      ((flags & (kHasPalette | kHasCells)) && !form.has_views) ||
-      (form.has_views && (header.masked != Masked::none || header.has_exact || header.alpha() >= 0)))
+      ((flags & (kHasPalette | kHasCells)) && !form.has_views) || (form.has_views && !has_all))
     corrupt("it has flags that do not go with the picture");
+  form.grids.resize(form.is_alpha ? 1 : size_t(header.spec.channels));
   for (ResidualGrid &grid : form.grids) {
     grid.base = read_real(start, at), grid.step = read_real(start, at);
     const int64_t most = decode_varint(start, at), max_error = decode_varint(start, at);

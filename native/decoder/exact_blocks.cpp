@@ -90,6 +90,7 @@ void ExactBlocks::decode(const std::vector<int64_t> &numbers, const Draw &draw) 
 }
 
 std::vector<float> ExactBlocks::drawn(const Place &place, const Draw &draw) const {
+  if (is_alpha()) return std::vector<float>(size_t(place.height * place.width));
   const int64_t stride = place.width * chunks_.header().spec.channels;
   std::vector<float> samples(size_t(place.height * stride));
   with_type(chunks_.header().sample_type, [&](auto sample) {
@@ -104,14 +105,15 @@ void ExactBlocks::copy(int64_t number, int64_t x, int64_t y, const PixelBlock &o
   const Place from = place(number);
   const int64_t left = std::max(x, from.x), right = std::min(x + out.columns, from.x + from.width);
   const int64_t top = std::max(y, from.y), bottom = std::min(y + out.rows, from.y + from.height);
-  const int64_t channels = chunks_.header().spec.channels, count = (right - left) * channels;
+  const int64_t channels = chunks_.header().spec.channels, known = is_alpha() ? 1 : channels;
   const float *samples = blocks_.at(number).found.samples.data();
   for (int64_t row = top; row < bottom; ++row) {
-    const float *source = samples + ((row - from.y) * from.width + left - from.x) * channels;
-    const int64_t target = (row - y) * out.stride + (left - x) * channels;
+    const float *source = samples + ((row - from.y) * from.width + left - from.x) * known;
+    const int64_t target = (row - y) * out.stride + (left - x) * channels + channels - known;
     with_type(type, [&](auto sample) {
       auto *first = static_cast<decltype(sample) *>(out.first) + target;
-      for (int64_t i = 0; i < count; ++i) first[i] = decltype(sample)(source[i]);
+      for (int64_t i = 0; i < right - left; ++i)
+        for (int64_t c = 0; c < known; ++c) first[i * channels + c] = decltype(sample)(source[i * known + c]);
     });
   }
 }

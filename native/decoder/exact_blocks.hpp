@@ -31,6 +31,8 @@ class ExactBlocks {
   bool has_views() const { return table_.form.has_views; }
   // Whether views are made of them in some cells alone, and are drawn elsewhere.
   bool has_cells() const { return table_.form.has_cells; }
+  // Whether alpha of every view is made of these samples, and nothing else.
+  bool is_alpha() const { return table_.form.is_alpha; }
   // Whether any sample of the block that holds a pixel comes from the layer.
   bool is_coded(int64_t x, int64_t y) const { return table_.blocks[size_t(number(x, y))].bytes > 0; }
   // Whether samples of each cell of the block that holds a pixel come from the layer: as in ResidualSamples, until the
@@ -38,8 +40,8 @@ class ExactBlocks {
   const std::vector<uint8_t> &cells(int64_t x, int64_t y, const Draw &draw);
   // The block that holds a pixel.
   Place around(int64_t x, int64_t y) const { return place(number(x, y)); }
-  // Fills samples of a type, the source's or floats, with the region whose first pixel is (x, y). Throws Error
-  // (corrupt).
+  // Fills samples of a type, the source's or floats, with the region whose first pixel is (x, y); alpha alone where the
+  // layer has no more. Throws Error (corrupt).
   void fill(int64_t x, int64_t y, const PixelBlock &out, SampleType type, const Draw &draw);
 
  private:

@@ -9,8 +9,8 @@
 namespace sgi {
 
 // Draws rows top ... top + block.rows - 1 of a view inside the picture into a block. `draw` draws without the layer, at
-// the picture's own scale and in its own type. Where the layer has cells alone, the block holds what is drawn without
-// it, and what shows other places stays. Throws Error (corrupt).
+// the picture's own scale and in its own type. Where the layer has cells or alpha alone, the block holds what is drawn
+// without it, and what it says nothing of stays. Throws Error (corrupt).
 struct ExactView {
   const Header &header;
   const PictureView &view;

@@ -50,21 +50,31 @@ void MeanView::draw(int64_t left, int64_t top, const PixelBlock &block, const Sa
 }
 
 void MeanView::average(int64_t row, int64_t left, int64_t columns, const Source &source, float *values) const {
-  const int channels = header_.spec.channels;
+  const int channels = header_.spec.channels, alpha = header_.alpha();
   const Cover down = cover(view_.y, view_.sy, row, header_.height);
+  // The sum of what weigh(line, x) gives for the pixels covered, `line` being the row's first.
+  const auto sum = [&](const Cover &across, auto weigh) {
+    double sum = 0;
+    for (int64_t y = down.first; y <= down.last; ++y) {
+      const float *line = source.samples.data() + ((y - source.top) * source.width - source.left) * channels;
+      double part = 0;
+      for (int64_t x = across.first; x <= across.last; ++x) part += weigh(line + x * channels, across.weight(x));
+      sum += down.weight(y) * part;
+    }
+    return sum;
+  };
   for (int64_t column = left; column < left + columns; ++column) {
     const Cover &across = columns_[size_t(column)];
     const double area = (down.high - down.low) * (across.high - across.low);
+    const double seen =
+        alpha < 0 ? 0 : sum(across, [&](const float *pixel, double part) { return part * double(pixel[alpha]); });
     for (int c = 0; c < channels; ++c, ++values) {
-      double sum = 0;
-      for (int64_t y = down.first; y <= down.last; ++y) {
-        const float *line = source.samples.data() + ((y - source.top) * source.width - source.left) * channels + c;
-        double part = 0;
-        for (int64_t x = across.first; x <= across.last; ++x) part += across.weight(x) * double(line[x * channels]);
-        sum += down.weight(y) * part;
-      }
+      const bool is_seen = seen > 0 && c != alpha;
+      const double all = sum(across, [&](const float *pixel, double part) {
+        return (is_seen ? part * double(pixel[alpha]) : part) * double(pixel[c]);
+      });
       const double low = header_.low[size_t(c)], high = header_.high[size_t(c)];
-      *values = float((sum / area - low) / (high - low));
+      *values = float((all / (is_seen ? seen : area) - low) / (high - low));
     }
   }
 }

@@ -127,8 +127,8 @@ void Stream::draw_inside(const PictureView &view, int64_t top, const PixelBlock 
   const Drawing drawing{format, options.dither && format.is_dithered(header().sample_type), parts_->settings.threads,
                         parts_->settings.between};
   ExactBlocks *blocks = options.lossy ? nullptr : exact_blocks();
-  const bool is_whole = view.is_plain() && output == own_output(header());
-  if (!blocks || !(is_whole || blocks->has_views()))
+  const bool is_whole = view.is_plain() && output == own_output(header()), is_alpha = blocks && blocks->is_alpha();
+  if (!blocks || !(is_whole || is_alpha || blocks->has_views()))
     return draw_view(header(), parts_->tiles, view, top, block, drawing);
   // nodata: whatever `set_blank` says
   const SampleFormat source(header(), own_output(header()), nodata_of(header()), format.isa);
@@ -137,15 +137,21 @@ void Stream::draw_inside(const PictureView &view, int64_t top, const PixelBlock 
     const PictureView whole{double(at.x), double(at.y), 1, 1, at.width, at.height};
     draw_view(header(), parts_->tiles, whole, 0, out, plain);
   };
+  if (is_alpha || (!is_whole && blocks->has_cells())) draw_view(header(), parts_->tiles, view, top, block, drawing);
   if (is_whole) return blocks->fill(int64_t(view.x), int64_t(view.y) + top, block, header().sample_type, draw);
-  if (blocks->has_cells()) draw_view(header(), parts_->tiles, view, top, block, drawing);
   ExactView{header(), view, format, draw, drawing.dither, drawing.threads}.fill(*blocks, top, block);
 }
 
 bool Stream::has_exact_views() {
   const Lock lock(parts_->turn);
   const ExactBlocks *blocks = exact_blocks();
-  return blocks && blocks->has_views();
+  return blocks && (blocks->has_views() || blocks->is_alpha());
+}
+
+bool Stream::has_exact_alpha() {
+  const Lock lock(parts_->turn);
+  const ExactBlocks *blocks = exact_blocks();
+  return blocks && blocks->is_alpha();
 }
 
 double Stream::graphics_error() {
@@ -163,7 +169,7 @@ ExactBlocks *Stream::exact_blocks() {
 double Stream::max_error() {
   const Lock lock(parts_->turn);
   const ExactBlocks *blocks = exact_blocks();
-  return blocks && !blocks->has_cells() ? blocks->max_error() : -1;
+  return blocks && !blocks->has_cells() && !blocks->is_alpha() ? blocks->max_error() : -1;
 }
 
 void Stream::check_residual() {

@@ -57,8 +57,10 @@ class Stream {
   void check_residual();
   // The same, and decodes all of the layer. Throws Error for one that is not sound.
   void check_exact();
-  // Whether views at any scale and in any type are made from what the residual layer makes exact.
+  // Whether views at any scale and in any type show what the residual layer makes exact.
   bool has_exact_views();
+  // Whether that is alpha alone.
+  bool has_exact_alpha();
   // The same of samples of text and line art, where the layer is of their cells alone; else -1.
   double graphics_error();
   bool has_overview() const;

@@ -90,6 +90,7 @@ def _facts(stream: Stream, survey: Survey | None) -> dict[str, Any]:
         "max_error": stream.max_error,
         "graphics_error": stream.graphics_error,
         "exact_views": stream.has_exact_views,
+        "exact_alpha": stream.has_exact_alpha,
         "metadata": metadata_bytes(stream.chunk_bytes),
         **_place_facts(stream),
         "settings": _settings(header),
@@ -154,6 +155,8 @@ def _lines(stream: Stream, facts: Mapping[str, Any]) -> dict[str, str]:
             unit = "" if facts["sample_type"] == "float32" else " levels"
             error = f"at most {facts[name]:g}{unit} off" if facts[name] else "without loss"
             lines["samples"] = of + error + ", in all views" * facts["exact_views"]
+    if facts["exact_alpha"]:
+        lines["samples"] = "alpha without loss, in all views"
     if facts["metadata"]:
         lines["metadata"] = ", ".join(f"{name} {size:,} bytes" for name, size in facts["metadata"].items())
     if facts["seeds"] is not None:

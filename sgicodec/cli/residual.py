@@ -83,7 +83,8 @@ def strip(source: str, target: str, force: bool, quiet: bool) -> None:
 def check_below(stream: Stream) -> None:
     """Raises UsageError where the residual layer of a stream shows what nothing below it does."""
     if stream.has_exact_views:
-        raise UsageError("its text and line art are in the residual layer alone")
+        what = "alpha is" if stream.has_exact_alpha else "text and line art are"
+        raise UsageError(f"its {what} in the residual layer alone")
 
 
 def _rewritten(source: str, target: str, layer: bytes | None, quiet: bool) -> None:

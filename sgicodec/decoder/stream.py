@@ -177,8 +177,13 @@ class Stream(ArrayView):
         return None if found < 0 else found
 
     @property
+    def has_exact_alpha(self) -> bool:
+        """Whether a residual layer shows alpha, and nothing else, of every view."""
+        return bool(self._open_native().has_exact_alpha)
+
+    @property
     def has_exact_views(self) -> bool:
-        """Whether a residual layer shows every view, or text and line art in it: nothing below shows them."""
+        """Whether a residual layer shows every view, or text and line art in it, or its alpha: nothing below does."""
         return bool(self._open_native().has_exact_views)
 
     @property

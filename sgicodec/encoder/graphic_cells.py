@@ -132,7 +132,7 @@ def pixels_in_cells(cells: Cells, shape: tuple[int, ...], left: int = 0, top: in
 
 
 def colour_keys(pixels: NDArray[Any]) -> NDArray[np.int64]:
-    """A number for each colour of pixels [..., C], C <= 3, of whole numbers below 2^16."""
+    """A number for each colour of pixels [..., C], C <= 4, of whole numbers below 2^16."""
     keys = np.zeros(pixels.shape[:-1], np.int64)
     for channel in range(pixels.shape[-1]):
         keys = keys << 16 | pixels[..., channel].astype(np.int64)

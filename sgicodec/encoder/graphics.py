@@ -5,14 +5,15 @@ that takes fewer bits and keeps edges hard.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
-from typing import NamedTuple
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sgicodec.bitstream.header import Header
 from sgicodec.encoder.graphic_cells import CellSurvey, ColourSurvey, cell_means, cells_in, level_of, repeating_cells
-from sgicodec.encoder.input.graphic_windows import with_fewer_colours, without_cells
+from sgicodec.encoder.input.graphic_windows import with_fewer_colours, without_cells, without_unseen_colours
 from sgicodec.encoder.input.windows import Windows
 from sgicodec.encoder.plan import Plan
 from sgicodec.encoder.residual import Layer, bits_of_blocks
@@ -25,9 +26,6 @@ __all__ = ["Division", "with_graphics"]
 
 _LARGE_LMBDA = 1e4
 """At which a model of one Gaussian is best."""
-_LOW_QUALITY = 20.0
-"""Of what a layer with alpha shows in the picture's own pixels alone: other views are of the tiles. Two logos take 12 and
-30 % fewer bytes than with 50 (docs/notes/2026-11-text.md)."""
 _MOST_BLOCKS = 12
 """By which a picture is judged."""
 _LEAST_SHARE = 1 / 256
@@ -36,47 +34,99 @@ _EDGE_BITS, _EDGE_DOUBLING = 10.0, 40
 """Bits that a layer may take for a pixel of an edge at quality 50, and the steps of quality that double them: what a
 lossy picture spends on text, or little more (docs/notes/2026-11-text.md).
 """
+_SHARP_ALPHA = 0.375
+"""Of the range, between neighbours that a sharp edge of alpha parts. Exact alpha may take as many bits for such a pixel
+as a layer of text for one of an edge (docs/notes/2026-11-text.md)."""
 _ERROR, _ERROR_HALVING = 8.0, 20
 """One more than the levels of 255 that colours may be off at quality 50, and the steps of quality that halve them."""
 _MAX_ERROR = 15
 """Whatever the quality; text is often no more than twice as far from its ground."""
-_MAX_CHANNELS = 3
+_MAX_COLOURS = 3
 
 
-class Division(NamedTuple):
+@dataclass(frozen=True)
+class Division:
     """A picture divided in two: what tiles show, with their plan, and what a residual layer does, if there is one."""
 
     windows: Windows
     plan: Plan
     layer: Layer | None = None
+    exact: ExactDivision | None = None
+    """The picture without loss, where that may take fewer bytes."""
+
+
+@dataclass(frozen=True)
+class ExactDivision(Division):
+    """A picture that a layer shows without loss, in all views. rects: some of its blocks, which stand for `parts` of
+    it; least: bits that it takes at least.
+    """
+
+    rects: Sequence[Rect] = ()
+    parts: float = 1.0
+    least: float = 0.0
+
+    def takes_less_than(self, size: int) -> bool:
+        """Whether it takes fewer bytes, about."""
+        if self.layer is None or self.least >= 8 * size:
+            return False
+        return bits_of_blocks(self.plan.header, self.layer, self.rects) / self.parts < 8 * size
 
 
 def with_graphics(windows: Windows, plan: Plan) -> Division:
     """What tiles show of a picture, and what a residual layer does. Where the layer was asked for, no quality of what
-    is below was, and whole pixels repeat each other, it shows all, or tiles show little where there is alpha; where
-    nothing but a quality was asked for, it shows text and line art.
+    is below was, and whole pixels repeat each other, it shows all; where nothing but a quality was asked for, text and
+    line art. Else alpha is exact if that takes fewer bits. `exact` is there where most pixels repeat each other.
     """
     settings, header = plan.settings, plan.header
     asked = settings.max_error
     is_quality = "quality" in settings.chosen_profile.scales and settings.lmbda is None and settings.target is None
     is_below_asked = asked is not None and settings.quality is not None
-    has_alpha = alpha_index(header.channels) is not None
-    if not is_quality or is_below_asked or not (_may_have(header) or asked is not None and has_alpha):
+    if not is_quality or is_below_asked or not _may_have(header):
         return Division(windows, plan, None if asked is None else Layer(windows, asked))
     rects = list(block_rects(header))
     sample = _some(rects)
     if asked is not None:
-        repeats = Repeats()
-        for rect in sample:
-            repeats.see(windows.read(*rect).pixels)
-        if not repeats.are_usual:
+        if not _repeats(windows, sample).are_usual:
             return Division(windows, plan, Layer(windows, asked))
-        if has_alpha:
-            return Division(windows, _small(plan, _quality_lmbda(plan, _LOW_QUALITY)), Layer(windows, asked))
-        return Division(windows, _small(plan, _LARGE_LMBDA), Layer(windows, asked, exact_views=True))
-    if header.sample_type == "float32" or header.spec.channels > _MAX_CHANNELS or not _has_some(windows, sample):
+        return Division(windows, _above_nothing(plan), Layer(windows, asked, exact_views=True))
+    if header.sample_type == "float32":
         return Division(windows, plan)
-    return _divided(windows, plan, rects)
+    seen = without_unseen_colours(windows)
+    division = Division(windows, plan)
+    if header.colours <= _MAX_COLOURS and _has_some(seen, sample):
+        division = _divided(seen, plan, rects)
+    if division.layer is None and alpha_index(header.channels) is not None and _is_alpha_cheap(windows, plan, sample):
+        division = Division(windows, replace(plan, exact_alpha=True), Layer(windows, 0, is_alpha=True))
+    repeats, parts = _repeats(seen, sample), len(sample) / len(rects)
+    if not repeats.are_usual:
+        return division
+    layer = Layer(seen, 0, exact_views=True)
+    return replace(
+        division, exact=ExactDivision(seen, _above_nothing(plan), layer, None, sample, parts, repeats.others / parts)
+    )
+
+
+def _repeats(windows: Windows, rects: Sequence[Rect]) -> Repeats:
+    """How many pixels of these blocks are as the one to their left."""
+    repeats = Repeats()
+    for rect in rects:
+        repeats.see(windows.read(*rect).pixels)
+    return repeats
+
+
+def _is_alpha_cheap(windows: Windows, plan: Plan, sample: Sequence[Rect]) -> bool:
+    """Whether exact alpha takes fewer bits than its sharp edges alone do in a model."""
+    least = _SHARP_ALPHA * np.iinfo(plan.header.sample_type).max
+    sharp = sum(_sharp_pixels(windows.read(*rect).pixels[..., -1], least) for rect in sample)
+    layer = Layer(windows, 0, is_alpha=True)
+    return sharp > 0 and bits_of_blocks(plan.header, layer, sample) <= _edge_bits(plan) * sharp
+
+
+def _sharp_pixels(plane: NDArray[Any], least: float) -> int:
+    """Pixels [h, w] from which the next one to the right or below is so far."""
+    wide = plane.astype(np.int32)
+    across, down = np.abs(np.diff(wide, axis=1)) >= least, np.abs(np.diff(wide, axis=0)) >= least
+    return int(np.count_nonzero(across[:-1] | down[:, :-1]))
 
 
 def _divided(windows: Windows, plan: Plan, rects: Sequence[Rect]) -> Division:
@@ -89,6 +139,8 @@ def _divided(windows: Windows, plan: Plan, rects: Sequence[Rect]) -> Division:
     above = plan.settings.chosen_quality - 50
     off = _ERROR * 2 ** (-above / _ERROR_HALVING) - 1
     max_error = int(min(_MAX_ERROR, max(0.0, off)) * level_of(header))
+    if alpha_index(header.channels) is not None:
+        max_error = 0
     colours, means = ColourSurvey(header), np.zeros((*cells.shape, header.spec.channels), np.float32)
     for rect in rects:
         pixels = windows.read(*rect).pixels
@@ -100,27 +152,28 @@ def _divided(windows: Windows, plan: Plan, rects: Sequence[Rect]) -> Division:
     among = np.zeros_like(cells)
     for rect in judged:
         among[cells_in(rect)] = cells[cells_in(rect)]
-    if bits_of_blocks(header, layer, judged) > _EDGE_BITS * 2 ** (above / _EDGE_DOUBLING) * survey.edges(among):
+    if bits_of_blocks(header, layer, judged) > _edge_bits(plan) * survey.edges(among):
         return Division(windows, plan)
     if cells.all():
         plan = replace(plan, settings=replace(plan.settings, max_error=max_error))
-        return Division(windows, _small(plan, _LARGE_LMBDA), replace(layer, cells=None))
+        return Division(windows, _above_nothing(plan), replace(layer, cells=None))
     return Division(without_cells(windows, cells, means), plan, layer)
 
 
-def _small(plan: Plan, lmbda: float) -> Plan:
-    """The plan of tiles of which a layer shows all."""
-    plan = replace(plan, settings=replace(plan.settings, effort=1, steps=None))
-    return plan.at(lmbda, quality_index(lmbda))
+def _edge_bits(plan: Plan) -> float:
+    """Bits that a layer may take for a pixel of an edge."""
+    return float(_EDGE_BITS * 2 ** ((plan.settings.chosen_quality - 50) / _EDGE_DOUBLING))
 
 
-def _quality_lmbda(plan: Plan, quality: float) -> float:
-    return replace(plan.settings, quality=quality).fit_settings().lmbda
+def _above_nothing(plan: Plan) -> Plan:
+    """The plan of tiles that take next to nothing."""
+    settings, header = replace(plan.settings, effort=1, steps=None), replace(plan.header, masked=None)
+    return replace(plan, settings=settings, header=header).at(_LARGE_LMBDA, quality_index(_LARGE_LMBDA))
 
 
 def _may_have(header: Header) -> bool:
-    """Whether all samples of a picture count alike."""
-    return header.masked is None and not header.has_exact and alpha_index(header.channels) is None
+    """Whether all samples of a picture are numbers that are seen, but for colours without alpha."""
+    return header.masked != "nodata" and not header.has_exact
 
 
 def _some(rects: Sequence[Rect]) -> Sequence[Rect]:

@@ -64,7 +64,7 @@ class Plan:
     """What the tiles of a stream have in common."""
 
     header: Header
-    """That of the stream."""
+    """What tiles are made by."""
     settings: EncodeSettings
     """Those of each tile."""
     software: bytes
@@ -77,6 +77,13 @@ class Plan:
     """The quality to whose mean score the only tile is brought, None where λ alone says what it looks like."""
     texture_lmbda: float | None = None
     """λ of texture, where it is not that of the tiles."""
+    exact_alpha: bool = False
+    """Whether alpha is in a residual layer, so that tiles show colours alone."""
+
+    @property
+    def stated_header(self) -> Header:
+        """That of the stream. Where alpha is exact, no mask need say where it is 0."""
+        return replace(self.header, masked=None) if self.exact_alpha else self.header
 
     def of_header(self, window: Picture) -> Picture:
         """A window as the header describes its samples, without metadata."""

@@ -20,7 +20,7 @@ from sgicodec.decoder.stream import Stream
 from sgicodec.device import Device
 from sgicodec.encoder.graphic_cells import Cells, cells_in, cells_shape, stacked_cells
 from sgicodec.encoder.input.windows import Windows
-from sgicodec.encoder.residual_grids import block_rects, residual_form
+from sgicodec.encoder.residual_grids import alpha_form, block_rects, residual_form
 from sgicodec.errors import PictureError
 from sgicodec.model.tile_grid import Rect
 
@@ -33,7 +33,8 @@ _CRC_BYTES = 4
 class Layer:
     """What a residual layer brings a stream to: the picture of `windows` but for `max_error` levels; floats by so much.
     Alpha of 8 and 16 bits is exact. exact_views: whether it shows every view. cells [rows, columns]: where it does, if
-    not everywhere. is_off: whether samples of `windows` are off by so much already.
+    not everywhere. is_off: whether samples of `windows` are off by so much already. is_alpha: whether it shows alpha
+    alone, in every view.
     """
 
     windows: Windows
@@ -41,16 +42,30 @@ class Layer:
     exact_views: bool = False
     cells: Cells | None = None
     is_off: bool = False
+    is_alpha: bool = False
 
     def form(self, header: Header, rects: Iterable[Rect]) -> bytes:
         """What it states of all blocks, by these."""
         windows = (self._shown(rect) for rect in rects)
+        if self.is_alpha:
+            return alpha_form(np.iinfo(header.sample_type).max)
         states = {"exact_views": self.exact_views, "has_cells": self.cells is not None, "is_off": self.is_off}
         return residual_form(header, windows, self.max_error, **states)
 
     def of(self, rect: Rect) -> Cells:
         """Which cells of a block it shows."""
         return np.ones(cells_shape(*rect[2:]), np.bool_) if self.cells is None else self.cells[cells_in(rect)]
+
+    def samples(self, rect: Rect) -> NDArray[np.float32]:
+        """Those [h, w, c] that it has of a block."""
+        pixels = self.windows.read(*rect).pixels
+        return _samples(pixels[..., -1:] if self.is_alpha else pixels)
+
+    def drawn(self, rect: Rect, stream: Stream) -> NDArray[np.float32]:
+        """What these are without it."""
+        if self.is_alpha:
+            return np.zeros((*rect[:1:-1], 1), np.float32)
+        return _samples(stream.picture(rect).pixels)
 
     def _shown(self, rect: Rect) -> NDArray[Any]:
         """Pixels that it shows of a block: of cells, one below the other."""
@@ -70,7 +85,7 @@ def residual_layer(stream: Stream, layer: Layer, device: Device) -> bytes:
     with ThreadPoolExecutor(device.cores) as pool:
         waiting: deque[Future[_Block]] = deque()
         for rect in block_rects(header):
-            given, drawn = _samples(layer.windows.read(*rect).pixels), _samples(stream.picture(rect).pixels)
+            given, drawn = layer.samples(rect), layer.drawn(rect, stream)
             waiting.append(pool.submit(_coded, given, drawn, whole, form, layer.of(rect)))
             if len(waiting) > device.cores:
                 blocks.append(waiting.popleft().result())
@@ -84,7 +99,7 @@ def bits_of_blocks(header: Header, layer: Layer, rects: Iterable[Rect]) -> float
     rects, bits = list(rects), 0.0
     form, whole = layer.form(header, rects), encode_header(header)
     for rect in rects:
-        block = _samples(layer.windows.read(*rect).pixels)
+        block = layer.samples(rect)
         coded, ones, _ = _native.code_residual(block, np.zeros_like(block), whole, form, _flags(layer.of(rect)))
         bits -= float(np.log2(np.where(coded, ones, 65536 - ones) / 65536).sum())
     return bits

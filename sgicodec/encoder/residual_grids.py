@@ -16,10 +16,14 @@ from sgicodec.bitstream.varint import encode_varint
 from sgicodec.metadata.layouts import alpha_index
 from sgicodec.model.tile_grid import Rect
 
-__all__ = ["Repeats", "block_rects", "residual_form"]
+__all__ = ["Repeats", "alpha_form", "block_rects", "residual_form"]
 
 _SCALES = (1, 10, 100, 1000, 10_000, 2, 4, 16, 64, 256, 1024, 4096)
 """Floats are often whole multiples of one over one of these."""
+
+
+_BITS, _VIEWS, _PALETTE, _CELLS, _ALPHA_ALONE = 1, 2, 4, 8, 16
+"""Flags of a layer."""
 
 
 @dataclass(frozen=True)
@@ -79,8 +83,14 @@ def residual_form(
         grids = [channel.exact_grid() for channel in channels]
     found = [grid for grid in grids if grid is not None]
     has_palette = palette.is_small(repeats.pixels) and not any(grid.max_error for grid in found)
-    head = struct.pack("<d", stated) + encode_varint(has_bits + 2 * exact_views + 4 * has_palette + 8 * has_cells)
+    flags = has_bits * _BITS + exact_views * _VIEWS + has_palette * _PALETTE + has_cells * _CELLS
+    head = struct.pack("<d", stated) + encode_varint(flags)
     return head + b"".join(grid.encode() for grid in found) + (palette.encode(found) if has_palette else b"")
+
+
+def alpha_form(largest: int) -> bytes:
+    """The same of a layer of alpha alone, of samples up to this."""
+    return struct.pack("<d", 0.0) + encode_varint(_ALPHA_ALONE) + _Grid(0.0, 1.0, largest).encode()
 
 
 def block_rects(header: Header) -> Iterator[Rect]:
@@ -92,23 +102,23 @@ def block_rects(header: Header) -> Iterator[Rect]:
 
 
 class Repeats:
-    """How many pixels are as the one to their left."""
+    """How many pixels there are, and how many are others than the one to their left."""
 
     def __init__(self) -> None:
-        self.pixels = self._others = 0
+        self.pixels = self.others = 0
 
     def see(self, pixels: NDArray[Any]) -> NDArray[np.bool_]:
         """More pixels [h, w, C]; gives which are not [h, w]."""
         others = np.ones(pixels.shape[:2], np.bool_)
         others[:, 1:] = (pixels[:, 1:] != pixels[:, :-1]).any(axis=2)
         self.pixels += others.size
-        self._others += int(np.count_nonzero(others))
+        self.others += int(np.count_nonzero(others))
         return others
 
     @property
     def are_usual(self) -> bool:
         """Whether more than half are, as in text, line art and screens."""
-        return 2 * self._others < self.pixels
+        return 2 * self.others < self.pixels
 
 
 _PIXELS_OF_COLOUR = 500

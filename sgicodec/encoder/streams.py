@@ -97,10 +97,15 @@ class Finished:
     overview: bytes | None
     residual: bytes | None = None
 
+    def length(self, store: Store) -> int:
+        """Bytes of its tiles, its overview and its residual layer."""
+        others = sum(len(part) for part in (self.overview, self.residual) if part is not None)
+        return sum(store.tiles[version].length for version in self.chosen) + others
+
     def write(self, file: BinaryIO, store: Store) -> int:
         """Writes the stream; returns its length."""
         plan, tiles = self.plan, map(store.payload, self.chosen)
-        return write_stream(file, plan.header, plan.software, plan.metadata, tiles, self.overview, self.residual)
+        return write_stream(file, plan.stated_header, plan.software, plan.metadata, tiles, self.overview, self.residual)
 
 
 class Streams:
@@ -118,9 +123,18 @@ class Streams:
 
     def of(self, plan: Plan, name: str = "tiles") -> Finished:
         """The stream of a plan, whatever its target. Raises TileFailedError; the store then has what was finished."""
+        division = self._request.divided(self._request.windows, plan)
+        finished = self._divided(division, name)
+        exact = division.exact
+        if exact is None or not exact.takes_less_than(finished.length(self._store)):
+            return finished
+        return self._divided(exact, name)
+
+    def _divided(self, division: Division, name: str) -> Finished:
+        """The stream of a picture that is divided."""
         request, index = self._request, self._passes
         self._passes += 1
-        below, plan, layer = request.divided(request.windows, plan)
+        below, plan, layer = division.windows, division.plan, division.layer
         if request.target is None:  # which looks as it will: λ alone moves sizes by as little as is wanted
             plan = with_quality_calibration(below, plan)
         runner, reporter = TileRunner(below, plan, self._executor, request.device), PassReporter(plan, request.listener)

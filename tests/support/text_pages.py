@@ -1,4 +1,4 @@
-"""Pixels of a photograph and of a page of text."""
+"""Pixels of a photograph and of a page of text, and means over them."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import numpy as np
 from data_files import crop
 from numpy.typing import NDArray
 
-__all__ = ["photo", "text"]
+__all__ = ["means", "photo", "text"]
 
 
 def photo(width: int, height: int) -> NDArray[np.uint8]:
@@ -21,3 +21,12 @@ def text(width: int, height: int) -> NDArray[np.uint8]:
     lines = letters[rng.integers(0, 9, (-(-height // 8), -(-width // 6)))].transpose(0, 2, 1, 3)
     page = lines.reshape(lines.shape[0] * 8, -1)[:height, :width]
     return np.ascontiguousarray(np.stack([page, page, 255 - (255 - page) // 2], axis=2))
+
+
+def means(rows: NDArray[np.float64], start: float, step: float, count: int) -> NDArray[np.float64]:
+    """Of `count` spans of rows, each `step` long."""
+    total = np.concatenate([np.zeros((1, *rows.shape[1:])), np.cumsum(rows, axis=0)])
+    ends = start + step * np.arange(count + 1)
+    whole = np.minimum(ends.astype(int), len(rows) - 1)
+    sums = total[whole] + (ends - whole)[:, None, None] * rows[whole]
+    return np.asarray(np.diff(sums, axis=0) / step)

@@ -23,7 +23,7 @@ from sgicodec.decoder.stream import open_stream
 from sgicodec.device import Device
 from sgicodec.encoder.input.windows import windows_of
 from sgicodec.encoder.residual import Layer, residual_layer
-from sgicodec.encoder.residual_grids import residual_form
+from sgicodec.encoder.residual_grids import alpha_form, residual_form
 from sgicodec.errors import CorruptStreamError, PictureError, StreamError, UsageError
 
 QUICK = EncodeSettings(steps=20, quality=40, tune="psnr")
@@ -295,6 +295,29 @@ def test_it_is_as_the_page_of_the_format_says(name: str, most: float, repeats: i
     assert bool(palette) == (repeats > 1)
     found = reference_residual.block(drawn, order, grids, form[8] & 1 == 1, nodata, code, palette, has_cells)
     assert next(expected, None) is None
+    assert zlib.crc32(found.astype("<f4").tobytes()) == crc
+
+
+def test_alpha_alone_is_as_the_page_says() -> None:
+    """One channel, over nothing."""
+    picture = KINDS["rgba8"]
+    alpha = np.ascontiguousarray(picture.pixels[2:23, 2:53, 3:], np.float32)
+    with open_stream(encode_picture(picture, QUICK).data) as stream:
+        header, form = replace(stream.header, width=51, height=21, masked=None), alpha_form(255)
+    drawn, cells = np.zeros_like(alpha), np.ones(8, np.uint8)
+    bits, ones, crc = _native.code_residual(alpha, drawn, encode_header(header), form, cells)
+    expected = iter(zip(bits.tolist(), ones.tolist(), strict=True))
+
+    def code(one: int) -> int:
+        bit, stated = next(expected)
+        assert one == stated
+        return int(bit)
+
+    grids, at = grids_of(form, 1)
+    assert (at, form[8]) == (len(form), 16)
+    found = reference_residual.block(drawn, [0], grids, False, [None], code)
+    assert next(expected, None) is None
+    np.testing.assert_array_equal(found, alpha)
     assert zlib.crc32(found.astype("<f4").tobytes()) == crc
 
 

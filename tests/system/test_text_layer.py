@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scenes import ISAS
 from surgery import split
-from text_pages import photo, text
+from text_pages import means, photo, text
 
 from sgicodec import EncodeSettings, Picture, encode_picture
 from sgicodec.decoder.stream import open_stream
@@ -44,15 +43,6 @@ def test_text_is_exact_at_every_scale(view: tuple[float, float], region: tuple[i
         wide = np.moveaxis(means(np.moveaxis(wide, axis, 0), start, side / count, count), 0, axis)
     assert np.abs(found - wide).max() <= 0.5 + 1e-4
     assert np.abs(deep - 257 * wide).max() <= 0.5 + 1e-2
-
-
-def means(rows: NDArray[np.float64], start: float, step: float, count: int) -> NDArray[np.float64]:
-    """Of `count` spans of rows, each `step` long."""
-    total = np.concatenate([np.zeros((1, *rows.shape[1:])), np.cumsum(rows, axis=0)])
-    ends = start + step * np.arange(count + 1)
-    whole = np.minimum(ends.astype(int), len(rows) - 1)
-    sums = total[whole] + (ends - whole)[:, None, None] * rows[whole]
-    return np.asarray(np.diff(sums, axis=0) / step)
 
 
 @pytest.mark.parametrize(
@@ -161,16 +151,6 @@ def test_a_photograph_with_a_flat_frame_is_one() -> None:
     pixels[48:250, 48:348] = photo(300, 202)
     with open_stream(encode_picture(Picture(pixels, "rgb", (0.0, 255.0)), EncodeSettings(steps=20)).data) as stream:
         assert not stream.has_exact_views
-
-
-def test_text_with_alpha_has_no_exact_views() -> None:
-    pixels = np.concatenate([text(90, 60), 255 - text(90, 60)[..., :1] // 2], axis=2)
-    for settings, max_error in ((EncodeSettings(steps=20), None), (LOSSLESS, 0)):
-        with open_stream(encode_picture(Picture(pixels, "rgba", (0.0, 255.0)), settings).data) as stream:
-            assert stream.max_error == max_error
-            half = stream.picture(scale=0.5).pixels
-            stream.lossy = True
-            np.testing.assert_array_equal(half, stream.picture(scale=0.5).pixels)
 
 
 def test_faint_text_beside_a_photograph_stays() -> None:

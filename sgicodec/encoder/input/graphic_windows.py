@@ -12,10 +12,11 @@ from numpy.typing import NDArray
 
 from sgicodec.encoder.graphic_cells import CELL, Cells, ColourCounts, cells_in, colour_keys, pixels_in_cells
 from sgicodec.encoder.input.windows import Windows
+from sgicodec.metadata.layouts import alpha_index
 from sgicodec.model.tile_grid import Rect
 from sgicodec.picture import Picture
 
-__all__ = ["with_fewer_colours", "without_cells"]
+__all__ = ["with_fewer_colours", "without_cells", "without_unseen_colours"]
 
 F32 = NDArray[np.float32]
 
@@ -40,6 +41,11 @@ def without_cells(windows: Windows, cells: Cells, means: F32) -> Windows:
     the samples of each cell.
     """
     return _Replaced(windows, cells, partial(_interpolated, _filled(means, ~cells)))
+
+
+def without_unseen_colours(windows: Windows) -> Windows:
+    """A picture whose colours are 0 wherever its alpha is; itself without alpha."""
+    return windows if alpha_index(windows.shape.channels) is None else _Seen(windows)
 
 
 def _merged(colours: NDArray[np.int64], counts: ColourCounts, max_error: int) -> NDArray[np.int64]:
@@ -77,6 +83,19 @@ class _Replaced:
         pixels = picture.pixels.copy()
         pixels[inside] = self._shown(pixels, inside, rect)
         return replace(picture, pixels=pixels)
+
+
+class _Seen:
+    """As in `without_unseen_colours`."""
+
+    def __init__(self, windows: Windows) -> None:
+        self._windows = windows
+        self.shape, self.page, self.memory, self.digest = windows.shape, windows.page, windows.memory, windows.digest
+
+    def read(self, x: int, y: int, width: int, height: int) -> Picture:
+        """As `Windows`."""
+        picture = self._windows.read(x, y, width, height)
+        return replace(picture, pixels=np.where(picture.pixels[..., -1:] == 0, 0, picture.pixels))
 
 
 def _recoloured(

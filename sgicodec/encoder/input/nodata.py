@@ -80,8 +80,9 @@ def with_least_masks(header: Header, picture: Picture) -> Header:
     return replace(header, masked=header.masked if masked else None, has_band_masks=differ)
 
 
-_BEYOND_OPAQUE = 0.05
-"""Decoders clip alpha, so that errors up to this leave opaque what is; with 0.02 to 0.1, sizes differ by 1 %."""
+OPAQUE = 1.05
+"""Alpha that a model is to show where it is opaque: decoders clip it, so that small errors leave it so. With 1.02 to
+1.1, sizes differ by 1 %."""
 
 
 def coded_samples(picture: Picture, header: Header, bare: Bare) -> tuple[F32, Mask | None]:
@@ -90,7 +91,7 @@ def coded_samples(picture: Picture, header: Header, bare: Bare) -> tuple[F32, Ma
     """
     samples = to_unit(picture)
     if picture.alpha is not None:
-        samples[opaque_mask(picture), picture.alpha] = 1.0 + _BEYOND_OPAQUE
+        samples[opaque_mask(picture), picture.alpha] = OPAQUE
     unit = np.ascontiguousarray(samples.transpose(2, 0, 1))
     if header.masked == "transparent":
         empty = empty_pixels(picture, header.masked)

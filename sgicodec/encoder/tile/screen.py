@@ -19,18 +19,20 @@ _BEHIND = np.float32(0.5)
 
 @dataclass(frozen=True)
 class Screen:
-    """luma_space: whether the model's samples are in luma space; has_alpha: whether its last channel is opacity."""
+    """luma_space: whether the model's samples are in luma space; has_alpha: whether its last channel is opacity; alpha
+    [H, W]: what that is, None where the model says so.
+    """
 
     luma_space: bool = False
     has_alpha: bool = False
+    alpha: F32 | None = None
 
     def shown(self, planes: F32) -> F32:
         """sRGB samples [C, H, W] of planes as the model has them; without alpha, where they have one."""
         samples = self._plain(planes)
         if not self.has_alpha:
             return samples
-        colours, alpha = samples[:-1], np.clip(samples[-1:], 0, 1)
-        shown: F32 = (colours - _BEHIND) * alpha + _BEHIND
+        shown: F32 = (samples[:-1] - _BEHIND) * self._opacity(samples) + _BEHIND
         return shown
 
     def gradient(self, planes: F32, shown: F32) -> F32:
@@ -38,13 +40,17 @@ class Screen:
         gradient = shown
         if self.has_alpha:
             samples = self._plain(planes)
-            colours, alpha = samples[:-1], samples[-1:]
-            moves = (alpha > 0) & (alpha < 1)
-            of_alpha = (shown * (colours - _BEHIND)).sum(axis=0, keepdims=True) * moves
-            gradient = np.concatenate([shown * np.clip(alpha, 0, 1), of_alpha])
+            of_alpha = (shown * (samples[:-1] - _BEHIND)).sum(axis=0, keepdims=True)
+            moves = (samples[-1:] > 0) & (samples[-1:] < 1) & (self.alpha is None)
+            gradient = np.concatenate([shown * self._opacity(samples), of_alpha * moves])
         if not self.luma_space:
             return gradient
         return np.tensordot(from_luma_space(len(gradient)).T.astype(np.float32), gradient, axes=1)
+
+    def _opacity(self, samples: F32) -> F32:
+        """[1, H, W], 0 to 1."""
+        opacity: F32 = np.clip(samples[-1:], 0, 1) if self.alpha is None else self.alpha[None]
+        return opacity
 
     def _plain(self, planes: F32) -> F32:
         """Samples out of luma space."""

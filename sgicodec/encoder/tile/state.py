@@ -13,7 +13,7 @@ from sgicodec.bitstream.header import Header
 from sgicodec.bitstream.parts.tile import TileModel
 from sgicodec.device import ALL_CORES, Device
 from sgicodec.encoder.effort import Effort
-from sgicodec.encoder.input.nodata import Bare, bare_samples, coded_samples, with_least_masks
+from sgicodec.encoder.input.nodata import OPAQUE, Bare, bare_samples, coded_samples, with_least_masks
 from sgicodec.encoder.plan import Plan
 from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.encoder.tile.restoration import Restorer, Strength
@@ -100,6 +100,8 @@ class Tile:
     """[C, H, W]: samples as the model is to show them, in 0..1."""
     empty: NDArray[np.bool_] | None
     """[H, W]: pixels that need not be coded, None for none."""
+    alpha: F32 | None
+    """[H, W]: opacity that a residual layer shows, so that `unit` is opaque; None where the model shows it."""
     bare: Bare
     """Samples that no model shows."""
     weights: F32 | None
@@ -161,6 +163,11 @@ def tile_of(
         fit = replace(fit, quality=header.quality)
     bare = bare_samples(picture, header)
     unit, empty = coded_samples(picture, header, bare)
+    alpha = None
+    if plan.exact_alpha:
+        alpha = np.clip(unit[-1], 0, 1)
+        unit[-1] = OPAQUE
+        empty = None if empty is not None and empty.all() else empty  # a tile without a mask has a model
     masking = Masking(TUNINGS[settings.tuned_for], unit, device)
     if header.spec.luma_space:
         unit = np.tensordot(to_luma_space(header.spec.channels).astype(np.float32), unit, axes=1)
@@ -174,6 +181,7 @@ def tile_of(
         settings.chosen_effort,
         unit,
         empty,
+        alpha,
         bare,
         masking_weights(unit, empty) if settings.tuned_for == "visual" else None,
         masking,

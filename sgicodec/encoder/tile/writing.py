@@ -52,6 +52,8 @@ def write(state: TileState) -> EncodedTile:
         restoration = spec.restoration and model.restoration is not None
         network = header.network if restoration else b""
         header = replace(header, spec=replace(spec, texture=texture, restoration=restoration), network=network)
+    if tile.plan.exact_alpha:
+        header = replace(header, masked=None)
     coded, writer = write_tile(header, model)
     parts = {name: bits / 8 for name, bits in writer.bits.items()}
     return _encoded(tile, header, coded, parts, len(model.layout), state.lmbda)
@@ -66,7 +68,7 @@ def _encoded(
     tile: Tile, header: Header, coded: bytes | None, parts: dict[str, float], seeds: int, lmbda: float
 ) -> EncodedTile:
     """The tile with this model, None for nothing."""
-    stream_header = header if tile.is_only else tile.plan.header
+    stream_header = header if tile.is_only else tile.plan.stated_header
     payload = _chunk(tile, stream_header, tile.number, coded)
     if stream_header.masked is not None or stream_header.has_exact:
         parts["mask"] = len(payload) - len(coded or b"")

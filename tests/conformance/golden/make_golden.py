@@ -96,6 +96,9 @@ def pictures() -> dict[str, tuple[Picture, EncodeSettings]]:
         "rgb8-tiles-mixed": (beside_text(forest, 99), replace(luma, quality=70, tile=100, overview=True)),
         "float-tiles-lossless": (bare_floats(small[:48, :64], curved=True), replace(quick, tile=32, max_error=0)),
         "float-near": (bare_floats(small[:48, :64], curved=True), replace(quick, max_error=0.01)),
+        "rgba8-sharp": (cut_out(forest), replace(luma, quality=40)),
+        "rgba8-tiles-sharp": (cut_out(forest), replace(luma, quality=40, tile=100, overview=True)),
+        "rgba8-drawing": (cut_out(drawing().pixels), EncodeSettings(quality=70)),
         "one-pixel": (Picture(small[:1, :1], "rgb", (0.0, 255.0)), quick),
     }
 
@@ -105,6 +108,13 @@ def drawing() -> Picture:
     y, x = np.mgrid[:90, :130]
     pixels = np.stack([x // 9 * y // 7 % 2 * 90, (x + y) // 11 % 2 * 255, (x // 17 + y // 5) % 2 * 60], axis=2)
     return Picture(np.ascontiguousarray(pixels.astype(np.uint8)), "rgb", (0.0, 255.0))
+
+
+def cut_out(colours: np.ndarray) -> Picture:
+    """Rings of it, whose edges are sharp."""
+    y, x = np.mgrid[: colours.shape[0], : colours.shape[1]]
+    alpha = np.clip(128 + 300 * np.sin(np.hypot(x - 40, y - 30) / 6), 0, 255).astype(np.uint8)
+    return Picture(np.dstack([colours, alpha]), "rgba", (0.0, 255.0))
 
 
 def beside_text(photo: np.ndarray, colours: int) -> Picture:
