@@ -109,7 +109,7 @@ void ExactView::fill(ExactBlocks &blocks, int64_t top, const PixelBlock &block) 
   const MeanView::Fill samples = [&](int64_t x, int64_t y, int64_t columns, int64_t rows, float *out) {
     blocks.fill(x, y, {out, columns, rows, columns * header.spec.channels}, SampleType::f32, draw);
   };
-  const MeanView mean(header, view, samples, threads);
+  const MeanView mean(header, view, samples, threads, blocks.is_alpha());
   if (blocks.is_alpha()) return copy_alpha(*this, mean, top, block);
   if (!blocks.has_cells()) return mean.draw(0, top, block, format, dither);
   const auto end = [](int64_t last, int64_t side) {

@@ -15,15 +15,16 @@ constexpr int64_t kSourceRows = 64;  // about as many are held at once
 
 double MeanView::Cover::weight(int64_t at) const { return std::min(high, double(at + 1)) - std::max(low, double(at)); }
 
-MeanView::Cover MeanView::cover(double start, double scale, int64_t index, int64_t size) {
-  const double low = std::clamp(start + double(index) / scale, 0.0, double(size));
-  const double high = std::clamp(start + double(index + 1) / scale, 0.0, double(size));
+MeanView::Cover MeanView::cover(double start, double scale, int64_t index, int64_t size) const {
+  const double wider = is_smooth_ ? std::max(0.0, 0.5 - 0.5 / scale) : 0.0;
+  const double low = std::clamp(start + double(index) / scale - wider, 0.0, double(size));
+  const double high = std::clamp(start + double(index + 1) / scale + wider, 0.0, double(size));
   const int64_t first = std::min(int64_t(low), size - 1);
   return {first, std::max(first, int64_t(std::ceil(high)) - 1), low, high};
 }
 
-MeanView::MeanView(const Header &header, const PictureView &view, const Fill &fill, int threads)
-    : header_(header), view_(view), fill_(fill), threads_(threads) {
+MeanView::MeanView(const Header &header, const PictureView &view, const Fill &fill, int threads, bool is_smooth)
+    : header_(header), view_(view), fill_(fill), threads_(threads), is_smooth_(is_smooth) {
   for (int64_t i = 0; i < view.columns; ++i) columns_.push_back(cover(view.x, view.sx, i, header.width));
 }
 

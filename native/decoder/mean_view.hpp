@@ -16,7 +16,9 @@ class MeanView {
   // Fills samples [rows, columns, C] with the region of the picture whose first pixel is (x, y).
   using Fill = std::function<void(int64_t x, int64_t y, int64_t columns, int64_t rows, float *samples)>;
 
-  MeanView(const Header &header, const PictureView &view, const Fill &fill, int threads);
+  // is_smooth: pixels that show less than one of the picture are means over as much, so that enlarged ones have no
+  // edges.
+  MeanView(const Header &header, const PictureView &view, const Fill &fill, int threads, bool is_smooth);
 
   // Columns left ... left + block.columns - 1 of rows top ... top + block.rows - 1.
   void draw(int64_t left, int64_t top, const PixelBlock &block, const SampleFormat &format, bool dither) const;
@@ -31,7 +33,7 @@ class MeanView {
     double weight(int64_t at) const;
   };
 
-  static Cover cover(double start, double scale, int64_t index, int64_t size);
+  Cover cover(double start, double scale, int64_t index, int64_t size) const;
   // Samples of the picture, from a column and a row on.
   struct Source {
     int64_t left, top, width;
@@ -44,6 +46,7 @@ class MeanView {
   const PictureView &view_;
   const Fill &fill_;
   const int threads_;
+  const bool is_smooth_;
   std::vector<Cover> columns_;
 };
 
