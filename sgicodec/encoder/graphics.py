@@ -6,10 +6,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sgicodec.bitstream.header import Header
 from sgicodec.encoder.graphic_cells import CellSurvey, ColourSurvey, cell_means, cells_in, level_of, repeating_cells
@@ -37,6 +35,8 @@ lossy picture spends on text, or little more (docs/notes/2026-11-text.md).
 _SHARP_ALPHA = 0.375
 """Of the range, between neighbours that a sharp edge of alpha parts. Exact alpha may take as many bits for such a pixel
 as a layer of text for one of an edge (docs/notes/2026-11-text.md)."""
+_OTHER_BYTES = 150
+"""Of a picture of which a layer shows all: headers, tables, tiles."""
 _ERROR, _ERROR_HALVING = 8.0, 20
 """One more than the levels of 255 that colours may be off at quality 50, and the steps of quality that halve them."""
 _MAX_ERROR = 15
@@ -67,9 +67,10 @@ class ExactDivision(Division):
 
     def takes_less_than(self, size: int) -> bool:
         """Whether it takes fewer bytes, about."""
-        if self.layer is None or self.least >= 8 * size:
+        bits = 8 * (size - _OTHER_BYTES)
+        if self.layer is None or self.least >= bits:
             return False
-        return bits_of_blocks(self.plan.header, self.layer, self.rects) / self.parts < 8 * size
+        return bits_of_blocks(self.plan.header, self.layer, self.rects) / self.parts < bits
 
 
 def with_graphics(windows: Windows, plan: Plan) -> Division:
@@ -115,18 +116,17 @@ def _repeats(windows: Windows, rects: Sequence[Rect]) -> Repeats:
 
 
 def _is_alpha_cheap(windows: Windows, plan: Plan, sample: Sequence[Rect]) -> bool:
-    """Whether exact alpha takes fewer bits than its sharp edges alone do in a model."""
-    least = _SHARP_ALPHA * np.iinfo(plan.header.sample_type).max
-    sharp = sum(_sharp_pixels(windows.read(*rect).pixels[..., -1], least) for rect in sample)
+    """Whether exact alpha takes fewer bits than its sharp edges alone do in a model. Where all of it is 0 or opaque, a
+    mask says the same.
+    """
+    opaque, sharp, is_soft = np.iinfo(plan.header.sample_type).max, 0, False
+    for rect in sample:
+        alpha = windows.read(*rect).pixels[..., -1].astype(np.int32)
+        across, down = (np.abs(np.diff(alpha, axis=axis)) >= _SHARP_ALPHA * opaque for axis in (1, 0))
+        sharp += int(np.count_nonzero(across[:-1] | down[:, :-1]))
+        is_soft = is_soft or bool(((alpha > 0) & (alpha < opaque)).any())
     layer = Layer(windows, 0, is_alpha=True)
-    return sharp > 0 and bits_of_blocks(plan.header, layer, sample) <= _edge_bits(plan) * sharp
-
-
-def _sharp_pixels(plane: NDArray[Any], least: float) -> int:
-    """Pixels [h, w] from which the next one to the right or below is so far."""
-    wide = plane.astype(np.int32)
-    across, down = np.abs(np.diff(wide, axis=1)) >= least, np.abs(np.diff(wide, axis=0)) >= least
-    return int(np.count_nonzero(across[:-1] | down[:, :-1]))
+    return is_soft and sharp > 0 and bits_of_blocks(plan.header, layer, sample) <= _edge_bits(plan) * sharp
 
 
 def _divided(windows: Windows, plan: Plan, rects: Sequence[Rect]) -> Division:
