@@ -15,7 +15,7 @@ from math import ceil
 import numpy as np
 from numpy.typing import NDArray
 
-from sgicodec.bitstream.header import COLOURED_LAYOUTS, Masked
+from sgicodec.bitstream.header import Masked
 from sgicodec.encoder.input.nodata import empty_pixels
 from sgicodec.encoder.input.windows import Windows
 from sgicodec.encoder.plan import Plan
@@ -42,12 +42,12 @@ _FLOOR = 1e-4
 
 def with_quality_calibration(windows: Windows, plan: Plan) -> Plan:
     """The plan at the λ with which the picture looks as others do at the quality that was asked for. Only of pictures
-    with colours that are tuned for the eye, and only where it is a quality that was asked for.
+    that are tuned for the eye and not of bands without a meaning, and only where a quality was asked for.
     """
     settings, header = plan.settings, plan.header
     scales = settings.chosen_profile.scales
     fixed = settings.target or settings.lmbda is not None or scales.get("quality") != "lmbda"
-    if fixed or settings.tuned_for != "visual" or header.channels not in COLOURED_LAYOUTS:
+    if fixed or settings.tuned_for != "visual" or header.channels == "multi":
         return plan
     gradients = [log_gradients(picture, header.masked) for picture in _sample(windows, header.width, header.height)]
     blocks = np.concatenate(gradients)
@@ -68,9 +68,16 @@ def log_gradients(picture: Picture, masked: Masked | None) -> F64:
     """Logs of the mean squared gradients that _FEATURES name in each block of a picture [n, 4], those left out that
     have pixels without content, in them or beside them. Pictures narrower than a block have none.
     """
-    colours = to_unit(picture)[..., :3]
-    planes = {name: colours @ weights for name, weights in _PLANES.items()}
-    means = [_block_means(_squared_gradient(_reduced(planes[name], octave)), octave) for name, octave, *_ in _FEATURES]
+    samples = to_unit(picture)[..., : picture.alpha]
+    if samples.shape[2] == 1:
+        planes = {"luma": samples[..., 0]}
+    else:
+        planes = {name: samples[..., :3] @ weights for name, weights in _PLANES.items()}
+    means = [
+        _block_means(_squared_gradient(_reduced(planes[name], octave)), octave)
+        for name, octave, *_ in _FEATURES
+        if name in planes
+    ]
     if masked == "transparent":
         unseen = empty_pixels(picture, masked)
     elif picture.nodata is None and not picture.exact:
@@ -82,7 +89,8 @@ def log_gradients(picture: Picture, masked: Masked | None) -> F64:
     beside[:, :-1] |= empty[:, 1:]
     beside[:-1] |= empty[1:]
     logs: F64 = np.log(np.stack(means, axis=-1) + _FLOOR)[~beside]
-    return logs
+    absent = [usual for name, *_, usual in _FEATURES if name not in planes]  # of grey pictures, colours
+    return np.concatenate([logs, np.tile(absent, (len(logs), 1))], axis=1)
 
 
 def _reduced(plane: F32, octaves: int) -> F32:

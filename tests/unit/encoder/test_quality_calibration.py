@@ -91,9 +91,20 @@ def test_what_was_asked_for_otherwise_stays(photo: Picture, settings: dict[str, 
     assert after.calibrated_quality is None
 
 
-def test_gray_and_tiny_pictures_stay_where_they_are(photo: Picture) -> None:
-    gray = Picture(photo.pixels[..., :1], "gray", (0.0, 255.0))
-    before, after = planned(gray)
+def test_gray_pictures_are_told_by_luma_alone(photo: Picture) -> None:
+    gray = Picture(photo.pixels[..., 1:2], "gray", (0.0, 255.0))
+    found, of_photo = (log_gradients(picture, None).mean(axis=0) for picture in (gray, photo))
+    np.testing.assert_allclose(found[:2], of_photo[:2], atol=0.5)
+    grey_of_three = Picture(np.repeat(gray.pixels, 3, axis=2), "rgb", (0.0, 255.0))
+    np.testing.assert_allclose(found[:2], log_gradients(grey_of_three, None).mean(axis=0)[:2], rtol=1e-5)
+    assert planned(gray)[1].calibrated_quality == 50
+    alone = quality_offset(np.array([*found[:2], -7.56, -7.37]), 50)
+    assert quality_offset(found, 50) == pytest.approx(alone)
+
+
+def test_bands_and_tiny_pictures_stay_where_they_are(photo: Picture) -> None:
+    bands = Picture(photo.pixels, "multi", (0.0, 255.0))
+    before, after = planned(bands)
     assert after is before
     tiny = replace(photo, pixels=photo.pixels[:40, :300])
     assert planned(tiny)[1].settings.lmbda == lmbda_of_quality(50)
