@@ -54,6 +54,7 @@ def refine(picture: str, source: str, target: str, max_error: float, threads: in
         opened = stack.enter_context(open_to_encode(picture, lambda text: None))
         stack.enter_context(naming_stream(source))
         stream = stack.enter_context(open_stream(Path(source), device))
+        check_below(stream)
         windows = windows_of(opened)
         if windows.shape.bands > stream.header.spec.channels:
             windows, _ = without_needless_alpha(windows, stream_plan(windows.shape, EncodeSettings()), NullListener())
