@@ -34,6 +34,9 @@ VISUAL_STEPS = {1: 60, 2: 130, 3: 200, 4: 300, 5: 450, 6: 900, 7: 1600, 8: 3200,
 """The same for the eye with texture, which sees more of texture than of what more steps give to seeds."""
 LOW_EFFORT_STEPS = 300
 """From so many on, all that RDOQ and the search of texture have is worth its time."""
+_RDOQ_STEPS = 100
+"""From so many on, RDOQ is, for the eye: after 60 it takes a fifth of an encode's time and saves 1.3 % of its bytes
+(docs/notes/2026-11-ladder.md)."""
 
 
 @dataclass(frozen=True)
@@ -65,11 +68,12 @@ def effort_of(steps: int, tuned_for: Tune, is_low: bool = False) -> Effort:
     """What goes with a fit of so many steps; is_low: without what gains little for its time. What a threshold switches
     on is worth its time from there on; before, more steps gain more in the same time.
     """
+    low_passes = int(steps >= _RDOQ_STEPS or tuned_for == "psnr")
     rdoq_passes = _within(2, round(steps / 250), 32)
     return Effort(
         steps=steps,
         seed_price=min(max(4.2 * float((200 / steps) ** 0.3), 2.1), 5.0),
-        rdoq=RdoqSettings(passes=1, deep=1) if is_low else RdoqSettings(passes=rdoq_passes),
+        rdoq=RdoqSettings(low_passes, deep=1) if is_low else RdoqSettings(passes=rdoq_passes),
         split_margin=NO_SPLIT_SEARCH if is_low else SPLIT_SEARCH_MARGIN,
         ascent_passes=_passes(steps) if tuned_for == "visual" else 0,
     )

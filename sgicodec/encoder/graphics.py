@@ -1,5 +1,5 @@
-"""Text, line art, screens and sharp alpha: a residual layer shows them instead of Gaussians and texture, at every scale,
-because that takes fewer bits and keeps edges hard.
+"""Text, line art, screens and sharp alpha: a residual layer shows them instead of Gaussians and texture, at every
+scale, because that takes fewer bits and keeps edges hard.
 """
 
 from __future__ import annotations

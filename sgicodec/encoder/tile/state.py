@@ -129,7 +129,7 @@ class Tile:
     @property
     def has_rdoq(self) -> bool:
         """Whether RDOQ follows the fit."""
-        return self.settings.rdoq and can_optimise(self.spec)
+        return self.settings.rdoq and self.effort.rdoq.passes > 0 and can_optimise(self.spec)
 
     @property
     def tuning(self) -> TextureTuning:

@@ -47,4 +47,5 @@ def test_more_steps_never_do_less(tune: Tune) -> None:
 def test_short_fits_beneath_texture_leave_out_what_gains_little() -> None:
     low, plain = (effort_of(120, "visual", is_low) for is_low in (True, False))
     assert (low.rdoq.passes, plain.rdoq.passes) == (1, 2)
+    assert [effort_of(60, tune, True).rdoq.passes for tune in TABLES] == [0, 1]
     assert low.split_margin < plain.split_margin
