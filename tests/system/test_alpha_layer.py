@@ -10,12 +10,10 @@ import numpy as np
 import pytest
 from command import sgi
 from numpy.typing import NDArray
-from scenes import ISAS
 from text_pages import means, photo, text
 
 from sgicodec import EncodeSettings, Picture, encode_picture, write
 from sgicodec.decoder.stream import Stream, open_stream
-from sgicodec.device import Device
 
 QUICK = EncodeSettings(effort=1)
 
@@ -80,21 +78,6 @@ def test_sharp_alpha_is_exact_in_every_view(dtype: type, channels: str, tile: in
             assert np.abs(view[..., -1] - expected[..., -1]).max() <= 0.5 + 1e-3 * high / 255
         floats = stream.picture(dtype="float32").pixels
         np.testing.assert_allclose(high * floats[..., -1], pixels[..., -1], rtol=1e-5)
-
-
-def test_views_are_the_same_everywhere() -> None:
-    data = encode_picture(cut_out(), QUICK).data
-    views: list[dict[str, Any]] = [{}, {"scale": 0.4}, {"region": (3, 5, 90, 80), "scale": 1.7}]
-
-    def shown(device: Device) -> list[NDArray[Any]]:
-        with open_stream(data, device) as stream:
-            return [stream.picture(**view).pixels for view in views]
-
-    expected = shown(Device(1))
-    for isa in ISAS:
-        for threads in (1, 3):
-            for found, one in zip(shown(Device(threads, isa)), expected, strict=True):
-                np.testing.assert_array_equal(found, one)
 
 
 def test_soft_alpha_stays_in_the_model() -> None:
