@@ -46,9 +46,9 @@ class Layer:
 
     def form(self, header: Header, rects: Iterable[Rect]) -> bytes:
         """What it states of all blocks, by these."""
-        windows = (self._shown(rect) for rect in rects)
         if self.is_alpha:
             return alpha_form(np.iinfo(header.sample_type).max)
+        windows = (self._shown(rect) for rect in rects)
         states = {"exact_views": self.exact_views, "has_cells": self.cells is not None, "is_off": self.is_off}
         return residual_form(header, windows, self.max_error, **states)
 

@@ -20,8 +20,6 @@ __all__ = ["Repeats", "alpha_form", "block_rects", "residual_form"]
 
 _SCALES = (1, 10, 100, 1000, 10_000, 2, 4, 16, 64, 256, 1024, 4096)
 """Floats are often whole multiples of one over one of these."""
-
-
 _BITS, _VIEWS, _PALETTE, _CELLS, _ALPHA_ALONE = 1, 2, 4, 8, 16
 """Flags of a layer."""
 

@@ -71,7 +71,7 @@ class FeatureStep:
     """
 
     def __init__(
-        self, spec: ModelSpec, settings: FitSettings, raster: Backend[F32], size: tuple[int, int], device: Device
+        self, spec: ModelSpec, settings: FitSettings, raster: Backend, size: tuple[int, int], device: Device
     ) -> None:
         context = spec.context
         hashed = list(context.hash_resolutions), context.hash_features, context.hash_log2_entries

@@ -42,7 +42,7 @@ class FusedStep:
     """
 
     def __init__(
-        self, spec: ModelSpec, seed: int, networks: Sequence[IntNetwork], raster: Backend[F32], device: Device
+        self, spec: ModelSpec, seed: int, networks: Sequence[IntNetwork], raster: Backend, device: Device
     ) -> None:
         opponent = np.array(colour_matrix(spec.channels), np.float32)
         weights = float_weights(networks)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Literal, NamedTuple, Protocol, TypeVar
+from typing import Literal, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,9 +14,6 @@ F32 = NDArray[np.float32]
 DEFAULT_CUTOFF = 3.5
 """Standard deviations after which a Gaussian is not drawn: exp(−3.5²/2) = 0.0022 of its amplitude."""
 
-Array = TypeVar("Array")
-
-
 Loss = Literal["squared", "absolute"]
 
 
@@ -27,37 +24,37 @@ class Errors(NamedTuple):
     squared: float
 
 
-class Backend(Protocol[Array]):
+class Backend(Protocol):
     """Draws I(x) = Σ_i c_i exp(−½ dᵀ Σ_i⁻¹ d), d = x − μ_i, at pixel centres (j + ½, i + ½), and differentiates it.
 
-    `Array` is what the device computes on. Means [N, 2] and covariances [N, 3] (xx, xy, yy) are in pixels and pixels²,
-    colours [N, C]; images are [C, height, width] and show the crop whose first pixel is `origin` (x, y). A Gaussian
-    that is not finite or not positive definite is not rendered and has zero gradients.
+    Means [N, 2] and covariances [N, 3] (xx, xy, yy) are in pixels and pixels², colours [N, C]; images are
+    [C, height, width] and show the crop whose first pixel is `origin` (x, y). A Gaussian that is not finite or not
+    positive definite is not rendered and has zero gradients.
     """
 
     def forward(
         self,
-        means: Array,
-        covariances: Array,
-        colours: Array,
+        means: F32,
+        covariances: F32,
+        colours: F32,
         width: int,
         height: int,
         origin: tuple[int, int] = (0, 0),
-    ) -> Array:
+    ) -> F32:
         """The image."""
         ...
 
     def error(
         self,
-        means: Array,
-        covariances: Array,
-        colours: Array,
-        target: Array,
+        means: F32,
+        covariances: F32,
+        colours: F32,
+        target: F32,
         loss: Loss = "squared",
         weight: float = 1.0,
-        weights: Array | None = None,
+        weights: F32 | None = None,
         origin: tuple[int, int] = (0, 0),
-    ) -> tuple[Errors, tuple[Array, Array, Array]]:
+    ) -> tuple[Errors, tuple[F32, F32, F32]]:
         """weight · Σ w (I − target)², or |I − target|, with weights w [H, W] of the pixels, by default 1, and its
         gradients; those of a size are 0 where I is the target.
         """

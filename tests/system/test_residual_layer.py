@@ -6,11 +6,14 @@ import io
 import math
 import struct
 import zlib
+from collections.abc import Callable, Iterator
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 import reference_residual
+from numpy.typing import NDArray
 from page_varint import decode_varint
 from pipe import Pipe
 from surgery import join, split
@@ -278,13 +281,7 @@ def test_it_is_as_the_page_of_the_format_says(name: str, most: float, repeats: i
     views = {"exact_views": repeats > 1 or has_cells, "has_cells": has_cells}
     form = residual_form(header, [picture.pixels] * repeats, most, **views)
     bits, ones, crc = _native.code_residual(samples, drawn, encode_header(header), form, cells)
-    expected = iter(zip(bits.tolist(), ones.tolist(), strict=True))
-
-    def code(one: int) -> int:
-        bit, stated = next(expected)
-        assert one == stated
-        return int(bit)
-
+    expected, code = coder_of(bits, ones)
     order = list(range(samples.shape[2]))
     if picture.channels.startswith("rgb"):
         order[:2] = 1, 0
@@ -306,6 +303,17 @@ def test_alpha_alone_is_as_the_page_says() -> None:
         header, form = replace(stream.header, width=51, height=21, masked=None), alpha_form(255)
     drawn, cells = np.zeros_like(alpha), np.ones(8, np.uint8)
     bits, ones, crc = _native.code_residual(alpha, drawn, encode_header(header), form, cells)
+    expected, code = coder_of(bits, ones)
+    grids, at = grids_of(form, 1)
+    assert (at, form[8]) == (len(form), 16)
+    found = reference_residual.block(drawn, [0], grids, False, [None], code)
+    assert next(expected, None) is None
+    np.testing.assert_array_equal(found, alpha)
+    assert zlib.crc32(found.astype("<f4").tobytes()) == crc
+
+
+def coder_of(bits: NDArray[Any], ones: NDArray[Any]) -> tuple[Iterator[tuple[int, int]], Callable[[int], int]]:
+    """What is still to come of these bits and probabilities, and what gives the next bit where it has the next one."""
     expected = iter(zip(bits.tolist(), ones.tolist(), strict=True))
 
     def code(one: int) -> int:
@@ -313,12 +321,7 @@ def test_alpha_alone_is_as_the_page_says() -> None:
         assert one == stated
         return int(bit)
 
-    grids, at = grids_of(form, 1)
-    assert (at, form[8]) == (len(form), 16)
-    found = reference_residual.block(drawn, [0], grids, False, [None], code)
-    assert next(expected, None) is None
-    np.testing.assert_array_equal(found, alpha)
-    assert zlib.crc32(found.astype("<f4").tobytes()) == crc
+    return expected, code
 
 
 def palette_of(form: bytes, at: int, channels: int) -> tuple[list[list[int]], int]:
