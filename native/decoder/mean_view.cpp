@@ -16,15 +16,15 @@ constexpr int64_t kSourceRows = 64;  // about as many are held at once
 double MeanView::Cover::weight(int64_t at) const { return std::min(high, double(at + 1)) - std::max(low, double(at)); }
 
 MeanView::Cover MeanView::cover(double start, double scale, int64_t index, int64_t size) const {
-  const double wider = is_smooth_ ? std::max(0.0, 0.5 - 0.5 / scale) : 0.0;
+  const double wider = is_alpha_ ? std::max(0.0, 0.5 - 0.5 / scale) : 0.0;
   const double low = std::clamp(start + double(index) / scale - wider, 0.0, double(size));
   const double high = std::clamp(start + double(index + 1) / scale + wider, 0.0, double(size));
   const int64_t first = std::min(int64_t(low), size - 1);
   return {first, std::max(first, int64_t(std::ceil(high)) - 1), low, high};
 }
 
-MeanView::MeanView(const Header &header, const PictureView &view, const Fill &fill, int threads, bool is_smooth)
-    : header_(header), view_(view), fill_(fill), threads_(threads), is_smooth_(is_smooth) {
+MeanView::MeanView(const Header &header, const PictureView &view, const Fill &fill, int threads, bool is_alpha)
+    : header_(header), view_(view), fill_(fill), threads_(threads), is_alpha_(is_alpha) {
   for (int64_t i = 0; i < view.columns; ++i) columns_.push_back(cover(view.x, view.sx, i, header.width));
 }
 
@@ -67,9 +67,11 @@ void MeanView::average(int64_t row, int64_t left, int64_t columns, const Source 
   for (int64_t column = left; column < left + columns; ++column) {
     const Cover &across = columns_[size_t(column)];
     const double area = (down.high - down.low) * (across.high - across.low);
-    const double seen =
-        alpha < 0 ? 0 : sum(across, [&](const float *pixel, double part) { return part * double(pixel[alpha]); });
+    const double seen = alpha < 0 || is_alpha_
+                            ? 0
+                            : sum(across, [&](const float *pixel, double part) { return part * double(pixel[alpha]); });
     for (int c = 0; c < channels; ++c, ++values) {
+      if (is_alpha_ && c != alpha) continue;
       const bool is_seen = seen > 0 && c != alpha;
       const double all = sum(across, [&](const float *pixel, double part) {
         return (is_seen ? part * double(pixel[alpha]) : part) * double(pixel[c]);
