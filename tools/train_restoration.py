@@ -42,8 +42,7 @@ from sgicodec.encoder.effort import Tune
 from sgicodec.encoder.pipeline import encode_picture
 from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.metrics.visual_score import VisualReference
-from sgicodec.model.gaussians import colour_matrix
-from sgicodec.model.luma_space import to_luma_space
+from sgicodec.model.colours import to_channels
 from sgicodec.rdoq.objective import with_values
 from tools.restoration_file import RestorationNet, file_of, network_of
 
@@ -89,14 +88,14 @@ def of_pupils(training: Training) -> Training:
 class Example:
     """A picture and what a stream without correction shows of it, or a crop of both [3, H, W], in samples of 0..1.
 
-    opponents [3, 3]: from samples to the channels that a network sees; step: the stream's; size: its bytes; score: its
+    channels [3, 3]: from samples to the channels that a network sees; step: the stream's; size: its bytes; score: its
     SSIMULACRA 2 and slope: how much that grows with the logarithm of bytes, where they are known.
     """
 
     name: str
     original: Tensor
     drawn: Tensor
-    opponents: Tensor
+    channels: Tensor
     step: float
     size: int
     score: float = 0.0
@@ -195,13 +194,12 @@ def examples_of(pictures: Path, streams: Path, device: Device) -> list[Example]:
                 if texture is None or spec.channels != 3:
                     continue
                 drawn = _planes(stream.render())
-            mix = np.array(colour_matrix(3)) @ (to_luma_space(3) if spec.luma_space else np.eye(3))
             if original is None:
                 picture = read(path)
                 original = _planes(picture.pixels) / np.iinfo(picture.pixels.dtype).max
             step = float(texture.steps.of_channels.flat[0])
-            opponents = torch.from_numpy(mix.astype(np.float32))
-            found.append(Example(path.stem, original, drawn, opponents, step, file.stat().st_size))
+            channels = torch.from_numpy(to_channels(spec).astype(np.float32))
+            found.append(Example(path.stem, original, drawn, channels, step, file.stat().st_size))
     return found
 
 
@@ -226,10 +224,10 @@ def with_slopes(examples: list[Example], device: Device) -> list[Example]:
 
 def shown(network: RestorationNet, crops: list[Example]) -> list[Tensor]:
     """What crops of one size look like behind the network."""
-    seen = [torch.tensordot(crop.opponents, crop.drawn, 1) / crop.step for crop in crops]
+    seen = [torch.tensordot(crop.channels, crop.drawn, 1) / crop.step for crop in crops]
     corrections = network(torch.stack(seen))
     return [
-        crop.drawn + torch.tensordot(torch.linalg.inv(crop.opponents), own * crop.step, 1)
+        crop.drawn + torch.tensordot(torch.linalg.inv(crop.channels), own * crop.step, 1)
         for crop, own in zip(crops, corrections, strict=True)
     ]
 

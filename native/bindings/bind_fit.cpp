@@ -145,18 +145,17 @@ void bind_fit(nb::module_ &m) {
   nb::class_<sgi::SeedFit>(m, "SeedFit")
       .def(
           "__init__",
-          [](sgi::SeedFit *self, const std::string &isa, int threads, int hidden, In2 opponent, In1 first, In1 rest) {
-            require(hidden >= 1 && opponent.shape(0) == opponent.shape(1), "opponent must be [C, C]");
+          [](sgi::SeedFit *self, const std::string &isa, int threads, int channels, int hidden, In1 first, In1 rest) {
+            require(channels >= 1 && hidden >= 1, "a model has channels and hidden units");
             sgi::SeedState s{};
             s.hidden = hidden;
             size_t firsts = 0, rests = 0;
             for (int g = 0; g < sgi::kGroups; ++g) firsts += s.first_size(g), rests += s.rest_size(g);
             require(first.shape(0) == firsts, "first holds W1 of all groups");
             require(rest.shape(0) == rests, "rest holds b1, W2 and b2 of all groups");
-            new (self) sgi::SeedFit(sgi::choose_isa(isa), threads, int(opponent.shape(0)), hidden, opponent.data(),
-                                    first.data(), rest.data());
+            new (self) sgi::SeedFit(sgi::choose_isa(isa), threads, channels, hidden, first.data(), rest.data());
           },
-          "isa"_a, "threads"_a, "hidden"_a, "opponent"_a, "first"_a, "rest"_a)
+          "isa"_a, "threads"_a, "channels"_a, "hidden"_a, "first"_a, "rest"_a)
       .def("set_layout", &set_layout, "half_pixels"_a, "log_size"_a, "neighbour"_a, "quality"_a)
       .def("forward", &forward, "colour"_a, "shape"_a, "offset"_a, "steps"_a, "rounding"_a, "key"_a, "negative"_a,
            "predicts"_a, "means"_a, "covariances"_a, "colours"_a)

@@ -7,7 +7,6 @@
 #include "bindings/bindings.hpp"
 #include "bindings/checks.hpp"
 #include "model/cell_sums.hpp"
-#include "model/colours.hpp"
 #include "model/seed_gaussians.hpp"
 
 namespace nb = nanobind;
@@ -52,18 +51,12 @@ auto cell_sums(Array<const float, 3> detail, std::optional<Array<const float, 2>
                         sgi::as_array<double>(std::move(every), std::array{rows, columns}));
 }
 
-auto from_luma_space(int channels) {
-  require(channels >= 3 && channels <= 64, "luma space has 3 channels or more");
-  return sgi::as_array<double>(sgi::from_luma_space(channels), std::array{size_t(channels), size_t(channels)});
-}
-
 void seed_gaussians(Array<const double, 2> values, Array<const int32_t, 2> half_pixels, Array<const int8_t, 1> log_size,
-                    Array<const float, 2> opponent, int threads, const std::string &isa, Array<float, 2> means,
-                    Array<float, 2> covariances, Array<float, 2> colours) {
-  const size_t n = log_size.shape(0), channels = opponent.shape(0);
-  require(channels >= 1 && opponent.shape(1) == channels, "opponent must be [C, C]");
-  const sgi::SeedModel model{int(channels), opponent.data()};
-  require(has_shape(values, n, size_t(model.attributes())) && has_shape(half_pixels, n, 2),
+                    int threads, const std::string &isa, Array<float, 2> means, Array<float, 2> covariances,
+                    Array<float, 2> colours) {
+  const size_t n = log_size.shape(0), channels = colours.shape(1);
+  const sgi::SeedModel model{int(channels)};
+  require(channels >= 1 && has_shape(values, n, size_t(model.attributes())) && has_shape(half_pixels, n, 2),
           "values must be [N, C + 5], half_pixels [N, 2]");
   require(has_shape(means, n, 2) && has_shape(covariances, n, 3) && has_shape(colours, n, channels),
           "means [N, 2], covariances [N, 3], colours [N, C]");
@@ -78,9 +71,8 @@ void seed_gaussians(Array<const double, 2> values, Array<const int32_t, 2> half_
 void bind_model(nb::module_ &m) {
   m.def("cell_sums", &cell_sums, "detail"_a, "weights"_a.none(), "root_log"_a, "threads"_a,
         "Sums over cells of 2 pixels that fill whole roots: values [C, rows, columns], squares and weights.");
-  m.def("from_luma_space", &from_luma_space, "channels"_a, "[C, C]; takes samples of luma space to red, green, blue.");
-  m.def("seed_gaussians", &seed_gaussians, "values"_a, "half_pixels"_a, "log_size"_a, "opponent"_a, "threads"_a,
-        "isa"_a, "means"_a, "covariances"_a, "colours"_a);
+  m.def("seed_gaussians", &seed_gaussians, "values"_a, "half_pixels"_a, "log_size"_a, "threads"_a, "isa"_a, "means"_a,
+        "covariances"_a, "colours"_a);
   m.def("evaluate_network", &evaluate_network, "w1"_a, "b1"_a, "w2"_a, "b2"_a, "shift"_a, "predicted"_a, "inputs"_a,
         "threads"_a, "isa"_a, "out"_a);
 }

@@ -40,18 +40,18 @@ sgi::Residual residual_of(const Array<float, 3> &samples, const Weights &weights
 auto search_seeds(const nb::bytes &header, Array<const int32_t, 2> corner, Array<const int8_t, 1> log_size,
                   const sgi::Plan &plan, const sgi::NetworkArrays &networks, Array<const double, 2> values,
                   Array<const int32_t, 1> support, Array<const int64_t, 1> start, Array<const double, 1> bits,
-                  Array<const float, 2> opponent, Array<float, 3> residual, Weights weights, float lmbda, float cutoff,
-                  int deep, int threads, const std::string &isa) {
+                  Array<float, 3> residual, Weights weights, float lmbda, float cutoff, int deep, int threads,
+                  const std::string &isa) {
   const sgi::SeedCoding coding(header, corner, log_size, plan, networks, isa);
   const sgi::ModelSpec &spec = coding.header.spec;
   const size_t n = log_size.shape(0), d = size_t(spec.attributes()), channels = size_t(spec.channels);
   require(spec.is_plain() && channels <= size_t(sgi::kMaxColours),
           "seeds must hold their Gaussians, of 64 channels at most");
-  require(has_shape(values, n, d) && has_shape(opponent, channels, channels), "values [N, C + 5], opponent [C, C]");
+  require(has_shape(values, n, d), "values [N, C + 5]");
   require_tables(support, start, bits);
   require(support.shape(0) == size_t(sgi::kTables), "there must be a table for every scale and family");
   const sgi::SymbolBits tables{support.data(), start.data(), bits.data(), coding.model.first_table};
-  const sgi::CodingModel model(coding.model, tables, opponent.data());
+  const sgi::CodingModel model(coding.model, tables);
   const sgi::Residual left = residual_of(residual, weights, channels);
   std::vector<int64_t> decoded(n * d);
   std::vector<double> change(n);
@@ -68,7 +68,6 @@ auto search_seeds(const nb::bytes &header, Array<const int32_t, 2> corner, Array
 
 void bind_rdoq(nb::module_ &m) {
   m.def("search_seeds", &search_seeds, "header"_a, "corner"_a, "log_size"_a, "plan"_a, "networks"_a, "values"_a,
-        "support"_a, "start"_a, "bits"_a, "opponent"_a, "residual"_a, "weights"_a, "lmbda"_a, "cutoff"_a, "deep"_a,
-        "threads"_a, "isa"_a,
-        "Attributes [N, C + 5] in 2^-24 and the change of cost [N]; `residual` becomes what they leave.");
+        "support"_a, "start"_a, "bits"_a, "residual"_a, "weights"_a, "lmbda"_a, "cutoff"_a, "deep"_a, "threads"_a,
+        "isa"_a, "Attributes [N, C + 5] in 2^-24 and the change of cost [N]; `residual` becomes what they leave.");
 }

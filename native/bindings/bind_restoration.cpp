@@ -7,7 +7,6 @@
 #include "bindings/bindings.hpp"
 #include "bitstream/header_fields.hpp"
 #include "bitstream/restoration_part.hpp"
-#include "model/colours.hpp"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -32,20 +31,18 @@ sgi::Restoration restoration_of(const Tile &drawn, const OneOf &network, int ste
   const size_t channels = drawn.shape(0), rows = drawn.shape(1), columns = drawn.shape(2), pixels = rows * columns;
   require(channels >= 1 && channels <= 64 && pixels > 0 && pixels < (size_t(1) << 31), "a tile must have pixels");
   require(step >= 0 && step < 512, "step must be 0..511");
-  return {network_of(network), step,          int(channels),       sgi::texture_mix(int(channels), false),
-          int64_t(columns),    int64_t(rows), sgi::choose_isa(isa)};
+  return {network_of(network), step, int(channels), int64_t(columns), int64_t(rows), sgi::choose_isa(isa)};
 }
 
 sgi::TileBlock whole(const Tile &drawn) { return {0, 0, int64_t(drawn.shape(2)), int64_t(drawn.shape(1))}; }
 
-// What a whole tile gets, drawn in the channels that its stream codes.
+// What a whole tile gets.
 auto restoration_correction(Tile drawn, const OneOf &network, int step, int threads, const std::string &isa) {
   const sgi::Restoration restoration = restoration_of(drawn, network, step, isa);
   std::vector<float> planes(drawn.size());
   {
     nb::gil_scoped_release release;
-    restoration.correct(sgi::in_planes(drawn.data(), whole(drawn)), threads,
-                        sgi::in_planes(planes.data(), whole(drawn)));
+    restoration.correct({drawn.data(), whole(drawn)}, threads, {planes.data(), whole(drawn)});
   }
   return sgi::as_array<float>(std::move(planes),
                               std::array{size_t(drawn.shape(0)), size_t(drawn.shape(1)), size_t(drawn.shape(2))});

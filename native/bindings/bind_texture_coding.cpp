@@ -216,9 +216,12 @@ auto texture_cells(LogSizes log_size, Contrasts contrast, SymbolPlanes symbols, 
   sgi::TextureCells cells = sgi::texture_cells(field, steps_of(steps, slope), excess.data(), mixed, 1);
   const size_t count = cells.log_size.size(), values = size_t(cells.amplitude_count);
   float *amplitudes = cells.amplitudes.get();
+  std::vector<uint8_t> waves;
+  for (const sgi::Waves &of : cells.waves) waves.insert(waves.end(), {of.down, of.across});
   return std::tuple(as_array<int32_t>(std::move(cells.corner), std::array{count, size_t(2)}),
                     as_array<uint8_t>(std::move(cells.log_size), std::array{count}),
-                    sgi::array_in<float>(std::move(cells.amplitudes), amplitudes, std::array{values}));
+                    sgi::array_in<float>(std::move(cells.amplitudes), amplitudes, std::array{values}),
+                    as_array<uint8_t>(std::move(waves), std::array{count, steps.size(), size_t(2)}));
 }
 
 }  // namespace
@@ -244,13 +247,13 @@ void bind_texture_coding(nb::module_ &m) {
           [](sgi::TextureAmplitudes *self, Array<const float, 3> planes, Size size, int threads, Colours colours) {
             new (self) sgi::TextureAmplitudes(amplitudes_of(planes, size, threads, colours));
           },
-          "planes"_a, "size"_a, "threads"_a, "colours"_a, "planes [C, 32 h, 32 w] in opponent colours.")
+          "planes"_a, "size"_a, "threads"_a, "colours"_a, "planes [C, 32 h, 32 w].")
       .def("move", &move_amplitudes, "gradient"_a, "contrast"_a, "steps"_a, "slope"_a, "mean"_a, "most"_a,
            "division"_a = nb::none(),
            "Moves them up a gradient, [C, 32 h, 32 w] of the roots, in the mean by `mean` of a step, at most by "
            "`most`; with log2 of the sides of a layer's cells [4 h, 4 w], those alone.");
   m.def("texture_cells", &texture_cells, "log_size"_a, "contrast"_a, "symbols"_a, "steps"_a, "slope"_a, "excess"_a,
-        "colours"_a, "Corners, log2 of sides, amplitudes in opponent colours.");
+        "colours"_a, "Corners, log2 of sides, amplitudes, and rows and columns of these behind which all are zero.");
   m.def("cheapest_colours", &cheapest_colours, "planes"_a, "contrast"_a, "steps"_a, "slope"_a, "lmbda"_a, "threads"_a,
-        "Indices of the colours in which texture that shows these planes, in opponent colours, costs least, about.");
+        "Indices of the colours in which texture that shows these planes,, costs least, about.");
 }

@@ -186,7 +186,7 @@ void check_model(const ModelSpec &spec) {
 void check_layout(const Header &header) {
   const std::string name = kLayoutNames[int(header.channels)];
   const bool is_coloured = header.channels == ChannelLayout::rgb || header.channels == ChannelLayout::rgba;
-  if (header.spec.luma_space && !is_coloured) corrupt(name + " has no luma space");
+  if (header.spec.luma_space && !(is_coloured && header.spec.is_plain())) corrupt(name + " has no luma space");
   const int given = header.spec.channels;
   const int expected = header.channels == ChannelLayout::multi ? given : int(header.channels);
   if (expected != given) corrupt(std::to_string(given) + " channels cannot be " + name);

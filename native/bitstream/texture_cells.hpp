@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "bitstream/texture_field.hpp"
+#include "model/texture.hpp"
 #include "model/texture_colours.hpp"
 #include "model/texture_steps.hpp"
 
@@ -13,8 +14,9 @@ namespace sgi {
 struct TextureCells {
   std::vector<int32_t> corner;          // [N, 2]
   std::vector<uint8_t> log_size;        // [N]
-  std::unique_ptr<float[]> amplitudes;  // of each cell [C, n, n], in opponent colours
+  std::unique_ptr<float[]> amplitudes;  // of each cell [C, n, n]
   int64_t amplitude_count;
+  std::vector<Waves> waves;  // [N, C]
 };
 
 // Cells in coding order, of a field with extents. excess: what is added to the magnitude of symbols ±1, ±2, and all

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "base/thread_pool.hpp"
+#include "model/colours.hpp"
 #include "raster/sample_values.hpp"
 
 namespace sgi {
@@ -67,7 +68,8 @@ SampleFormat::SampleFormat(const Header &header, Output output, std::optional<do
       is_mapped_(output != Output::values), is_source_(type == header.sample_type),
       has_nodata_(header.masked == Masked::nodata), from_(is_source_ ? header.low : std::vector<double>(channels, 0)),
       to_(is_source_ ? header.high : std::vector<double>(channels, largest_of(type))), source_from_(header.low),
-      source_to_(header.high), nodata_(nodata_in(header, type, nodata)), low_(channels), span_(channels) {
+      source_to_(header.high), nodata_(nodata_in(header, type, nodata)), low_(channels), span_(channels),
+      mix_(sample_mix(header.spec)) {
   for (int c = 0; c < channels; ++c) low_[c] = float(from_[c]), span_[c] = float(to_[c] - from_[c]);
 }
 
@@ -77,7 +79,11 @@ PixelBlock SampleFormat::part(const PixelBlock &block, int64_t left, int64_t top
 }
 
 Samples SampleFormat::samples(const PixelBlock &block) const {
-  return {block.first, block.stride, type, low_.data(), span_.data(), is_mapped_};
+  return {block.first, block.stride, type, low_.data(), span_.data(), is_mapped_, mix_.empty() ? nullptr : mix_.data()};
+}
+
+void SampleFormat::store_channels(const float *const *rows, const PixelBlock &block) const {
+  kernel_for<FinishKernel>(isa).store_channels(rows, block.columns, channels, samples(block));
 }
 
 namespace {

@@ -33,8 +33,10 @@ class SampleFormat {
   PixelBlock part(const PixelBlock &block, int64_t left, int64_t top, int64_t columns, int64_t rows) const;
   // For the rasteriser: samples of this format in a block.
   Samples samples(const PixelBlock &block) const;
+  // Stores pixels side by side from rows of their channels, from the first of a block on.
+  void store_channels(const float *const *rows, const PixelBlock &block) const;
 
-  // Stores values [rows, columns, C] as the rasteriser does.
+  // Stores values [rows, columns, C], which are mixed already.
   void store(const float *values, const PixelBlock &block, int threads) const;
   // Stores them so that the mean of a few pixels is the value: each is rounded up or down. The block begins at output
   // pixel (x, y), alone with the channel the threshold follows from, so that bands and threads do not show.
@@ -63,6 +65,7 @@ class SampleFormat {
   std::vector<double> source_from_, source_to_;  // [C] the source's
   double nodata_;
   std::vector<float> low_, span_;  // [C]
+  std::vector<float> mix_;         // as of `sample_mix`
 };
 
 }  // namespace sgi

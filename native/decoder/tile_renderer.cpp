@@ -8,11 +8,10 @@
 #include "base/error.hpp"
 #include "base/thread_pool.hpp"
 #include "model/base_view.hpp"
-#include "model/colours.hpp"
 #include "model/constants.hpp"
 #include "model/model_gaussians.hpp"
 #include "model/steps.hpp"
-#include "model/texture.hpp"
+#include "model/texture_drawing.hpp"
 
 namespace sgi {
 namespace {
@@ -46,28 +45,10 @@ GaussianSet gaussians_of(const ModelSpec &spec, const TileModel &model, int thre
   return all;
 }
 
-void leave_luma_space(GaussianSet &gaussians) {
-  const int channels = gaussians.channels;
-  const std::vector<double> mix = from_luma_space(channels);
-  std::vector<float> mixed(channels);
-  for (int64_t i = 0; i < gaussians.count(); ++i) {
-    float *colour = &gaussians.colours[i * channels];
-    for (int c = 0; c < channels; ++c) {
-      double sum = 0;
-      for (int k = 0; k < channels; ++k) sum += double(colour[k]) * mix[c * channels + k];
-      mixed[c] = float(sum);
-    }
-    std::copy(mixed.begin(), mixed.end(), colour);
-  }
-}
-
-std::vector<double> base_colours(const ModelSpec &spec, const TileModel &model) {
+std::vector<double> base_colours(const TileModel &model) {
   const double step = double(step_of(model.base_step)) * std::ldexp(1.0, -kFractionBits);
   std::vector<double> values(model.base.size());
   for (size_t i = 0; i < values.size(); ++i) values[i] = double(model.base[i]) * step;
-  const int64_t cells = int64_t(values.size()) / spec.channels;
-  values = mixed_planes(colour_matrix(spec.channels), true, values, spec.channels, cells);
-  if (spec.luma_space) values = mixed_planes(from_luma_space(spec.channels), false, values, spec.channels, cells);
   return values;
 }
 
@@ -101,12 +82,10 @@ void TileRenderer::take(const TileModel &model, int threads) {
   facts_.bits = model.bits;
   facts_.symbol_crc = model.symbol_crc;
   gaussians_ = gaussians_of(spec, model, threads, settings_.isa);
-  base_ = base_colours(spec, model);
-  if (spec.luma_space) leave_luma_space(gaussians_);
-  texture_mix_ = texture_mix(spec.channels, spec.luma_space);
+  base_ = base_colours(model);
   if (const RestorationChoice &choice = model.restoration; choice.network)
     restoration_.emplace(restoration_network(choice.network, header_.own_network), choice.step, spec.channels,
-                         texture_mix_, header_.width, header_.height, settings_.isa);
+                         header_.width, header_.height, settings_.isa);
   texture_ = model.texture(threads);
   if (!texture_) return;
   for (const uint8_t log_size : texture_->log_size) ++facts_.texture_cells[log_size - kTextureLeast];
@@ -184,31 +163,39 @@ void TileRenderer::draw_blocks(const PictureView &view, int64_t x, int64_t y, co
       if (restores)
         draw_restored(tools, view, x + left, y + top, part, format, threads);
       else
-        draw_block(tools.shown, view, x + left, y + top, part, format, threads);
+        draw_block(tools.shown, view, x + left, y + top, part.columns, part.rows, format.samples(part), threads);
     }
 }
 
 void TileRenderer::draw_restored(Restored &tools, const PictureView &view, int64_t x, int64_t y,
                                  const PixelBlock &block, const SampleFormat &format, int threads) const {
-  const int64_t channels = header_.spec.channels;
-  const SampleFormat values(header_, Output::values, std::nullopt, settings_.isa);
   const OutputAxis columns = across(view, x, block.columns), rows = down(view, y, block.rows);
   const TileBlock needed = restoration_->needed(columns, rows);
   const PictureView own{double(place_.x), double(place_.y), 1, 1, place_.width, place_.height};
-  float *drawn = tools.drawn.room(needed.columns * needed.rows * channels);
-  draw_block(tools.own, own, needed.left, needed.top, {drawn, needed.columns, needed.rows, needed.columns * channels},
-             values, threads);
-  if (view.is_plain()) {
-    const TileBlock wanted{columns.first, rows.first, block.columns, block.rows};
-    const auto store = [&](int64_t left, int64_t top, int64_t count, const float *restored) {
-      format.store(restored, format.part(block, left - wanted.left, top - wanted.top, count, 1), 1);
-    };
-    return restoration_->restore(interleaved<const float>(drawn, needed, channels), wanted, threads, store);
-  }
-  float *restored = tools.values.room(block.columns * block.rows * channels);
-  draw_block(tools.shown, view, x, y, {restored, block.columns, block.rows, block.columns * channels}, values, threads);
-  restoration_->add(drawn, columns, rows, threads, restored);
-  format.store(restored, block, threads);
+  const float *drawn = draw_channels(tools.own, tools.drawn, own, needed, threads);
+  const auto store = [&](int64_t left, int64_t top, int64_t count, const float *const *channels) {
+    format.store_channels(channels, format.part(block, left - columns.first, top - rows.first, count, 1));
+  };
+  if (view.is_plain())
+    return restoration_->restore({drawn, needed}, {columns.first, rows.first, block.columns, block.rows}, threads,
+                                 store);
+  float *shown = draw_channels(tools.shown, tools.planes, view, {x, y, block.columns, block.rows}, threads);
+  restoration_->add(drawn, columns, rows, threads, shown);
+  parallel_for(block.rows, threads, [&](int64_t row) {
+    std::vector<const float *> channels;
+    for (int c = 0; c < header_.spec.channels; ++c) channels.push_back(shown + (c * block.rows + row) * block.columns);
+    store(columns.first, rows.first + row, block.columns, channels.data());
+  });
+}
+
+// The channels of a block of a view [C, rows, columns].
+float *TileRenderer::draw_channels(Tools &tools, KeptFloats &memory, const PictureView &view, const TileBlock &block,
+                                   int threads) const {
+  const int64_t plane = block.columns * block.rows;
+  float *planes = memory.room(plane * header_.spec.channels);
+  draw_block(tools, view, block.left, block.top, block.columns, block.rows, ChannelPlanes{planes, block.columns, plane},
+             threads);
+  return planes;
 }
 
 OutputAxis TileRenderer::across(const PictureView &view, int64_t x, int64_t count) const {
@@ -219,35 +206,40 @@ OutputAxis TileRenderer::down(const PictureView &view, int64_t y, int64_t count)
   return {view.y - double(place_.y), view.sy, y, count};
 }
 
-void TileRenderer::draw_block(Tools &tools, const PictureView &view, int64_t x, int64_t y, const PixelBlock &block,
-                              const SampleFormat &format, int threads) const {
+// Draws a block of a view, to samples or to channels.
+template <class Sink>
+void TileRenderer::draw_block(Tools &tools, const PictureView &view, int64_t x, int64_t y, int64_t columns,
+                              int64_t rows, const Sink &sink, int threads) const {
   const ModelSpec &spec = header_.spec;
-  const OutputAxis across = this->across(view, x, block.columns), down = this->down(view, y, block.rows);
+  const OutputAxis across = this->across(view, x, columns), down = this->down(view, y, rows);
   Background behind{};
   BaseView base;
   if (!base_.empty()) {
-    const int64_t cell = spec.base_cell, columns = (header_.width + cell - 1) / cell;
-    const BaseGrid grid{base_.data(), spec.channels, int64_t(base_.size()) / (spec.channels * columns), columns};
+    const int64_t cell = spec.base_cell, cells = (header_.width + cell - 1) / cell;
+    const BaseGrid grid{base_.data(), spec.channels, int64_t(base_.size()) / (spec.channels * cells), cells};
     base = base_view(grid, spec.base_cell, across, down, threads);
-    behind.lines = base.lines.data(), behind.count = base.count, behind.width = block.columns;
+    behind.lines = base.lines.data(), behind.count = base.count, behind.width = columns;
     behind.top = base.top.data(), behind.down = base.down.data(), behind.taps = base.taps;
   }
+  const View crop{int(across.first - tools.left), int(down.first - tools.top), int(columns), int(rows)};
+  std::optional<TextureDrawing> texture;
+  GroupPlanes planes;
   if (texture_) {
-    const Texture texture{texture_->corner.data(),
-                          texture_->log_size.data(),
-                          texture_->amplitudes.get(),
-                          int64_t(texture_->log_size.size()),
-                          spec.channels,
-                          header_.width,
-                          header_.height};
-    const float *mix = texture_mix_.empty() ? nullptr : texture_mix_.data();
-    float *planes = tools.planes.room(block.columns * block.rows * spec.channels);
-    draw_texture(texture, across, down, mix, threads, settings_.isa, planes);
-    behind.planes = planes, behind.height = block.rows, behind.plane_width = block.columns;
+    const Texture all{texture_->corner.data(),
+                      texture_->log_size.data(),
+                      texture_->amplitudes.get(),
+                      texture_->waves.data(),
+                      int64_t(texture_->log_size.size()),
+                      spec.channels,
+                      header_.width,
+                      header_.height};
+    const TextureBlocks groups{crop.x0 - crop.tile_x0() * kTileWidth, crop.y0 - crop.tile_y0() * kTileHeight,
+                               kGroupWidth, kGroupHeight, kGroupStride};
+    texture.emplace(all, across, down, groups, settings_.isa);
+    planes = [&](int64_t column, int64_t row, float *to) { return texture->draw(column, row, to); };
   }
-  const View crop{int(across.first - tools.left), int(down.first - tools.top), int(block.columns), int(block.rows)};
   try {
-    tools.raster.draw(tools.gaussians.view(), crop, kCutoff, behind, format.samples(block));
+    tools.raster.draw(tools.gaussians.view(), crop, kCutoff, behind, planes, sink);
   } catch (const std::overflow_error &) {
     throw Error(Fault::limit, "the Gaussians cover too much of the picture; decode smaller regions");
   }

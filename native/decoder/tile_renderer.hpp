@@ -77,22 +77,24 @@ class TileRenderer {
   struct Tools {
     Rasterizer raster;
     const GaussianSet &gaussians;
-    int64_t left, top;       // output pixel of the tile from which their pixels count
-    KeptFloats planes = {};  // of texture, as large as a block, where the processor draws it
+    int64_t left, top;  // output pixel of the tile from which their pixels count
   };
 
   // The same where it is restored.
   struct Restored {
     Tools own, shown;  // of its own pixels, and of the view
-    KeptFloats drawn = {}, values = {};
+    KeptFloats drawn = {}, planes = {};
   };
 
   void take(const TileModel &model, int threads);
   const Whole *whole(const PictureView &view, int threads);
   void draw_blocks(const PictureView &view, int64_t x, int64_t y, const PixelBlock &block, const SampleFormat &format,
                    int threads);
-  void draw_block(Tools &tools, const PictureView &view, int64_t x, int64_t y, const PixelBlock &block,
-                  const SampleFormat &format, int threads) const;
+  template <class Sink>
+  void draw_block(Tools &tools, const PictureView &view, int64_t x, int64_t y, int64_t columns, int64_t rows,
+                  const Sink &sink, int threads) const;
+  float *draw_channels(Tools &tools, KeptFloats &memory, const PictureView &view, const TileBlock &block,
+                       int threads) const;
   // The same with the correction of restoration.
   void draw_restored(Restored &tools, const PictureView &view, int64_t x, int64_t y, const PixelBlock &block,
                      const SampleFormat &format, int threads) const;
@@ -111,7 +113,6 @@ class TileRenderer {
   GaussianSet gaussians_;
   std::vector<double> base_;
   std::optional<TextureCells> texture_;
-  std::vector<float> texture_mix_;
   std::optional<Restoration> restoration_;
   std::optional<Rescaled> rescaled_;
   std::optional<Whole> whole_;

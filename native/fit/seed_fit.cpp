@@ -12,13 +12,10 @@ constexpr int64_t kRun = 1024;  // seeds; a multiple of every kernel's lanes
 
 }  // namespace
 
-SeedFit::SeedFit(Isa isa, int threads, int channels, int hidden, const float *opponent, const float *first,
-                 const float *rest)
-    : kernel_(kernel_for<SeedKernel>(isa)), lanes_(lanes_of(isa)), threads_(threads),
-      opponent_(opponent, opponent + channels * channels) {
+SeedFit::SeedFit(Isa isa, int threads, int channels, int hidden, const float *first, const float *rest)
+    : kernel_(kernel_for<SeedKernel>(isa)), lanes_(lanes_of(isa)), threads_(threads) {
   state_.channels = channels;
   state_.hidden = hidden;
-  state_.opponent = opponent_.data();
   for (int g = 0; g < kGroups; ++g) {
     first_.insert(first_.end(), first, first + state_.first_size(g));
     rest_.insert(rest_.end(), rest, rest + state_.rest_size(g));

@@ -12,8 +12,8 @@ namespace sgi {
 
 class SeedFit {
  public:
-  // first: W1 of all groups; rest: b1, W2 and b2 of all groups; opponent [channels, channels].
-  SeedFit(Isa isa, int threads, int channels, int hidden, const float *opponent, const float *first, const float *rest);
+  // first: W1 of all groups; rest: b1, W2 and b2 of all groups.
+  SeedFit(Isa isa, int threads, int channels, int hidden, const float *first, const float *rest);
 
   // n seeds and the nearest of each [n, neighbours], negative for none.
   void set_layout(const SeedsView &seeds, int64_t n, const int32_t *neighbour, int neighbours, int quality);
@@ -34,7 +34,7 @@ class SeedFit {
   const SeedKernel &kernel_;
   int lanes_, threads_;
   SeedState state_{};
-  std::vector<float> opponent_, first_, rest_;
+  std::vector<float> first_, rest_;
   std::vector<int32_t> half_pixels_, neighbour_;
   std::vector<int8_t> log_size_;
   std::vector<float> summary_, kept_, decoded_, partials_;

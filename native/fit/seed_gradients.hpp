@@ -12,11 +12,7 @@ inline void read_gradients(const SeedState &s, const Block &block, const float *
   const int channels = s.channels;
   const auto value = [&](int column) { return load(decoded + column * LANES); };
   const vf cell = cells_of(s.seeds, block), area = cell * cell;
-  for (int j = 0; j < channels; ++j) {
-    vf sum{};
-    for (int c = 0; c < channels; ++c) sum += block.gather(g.colours, channels, c) * s.opponent[j * channels + c];
-    store(out + j * LANES, sum);
-  }
+  for (int c = 0; c < channels; ++c) store(out + c * LANES, block.gather(g.colours, channels, c));
   const auto up = [&](int column) { return block.gather(g.covariances, 3, column); };
   const Shape<vf> shape = shape_gradient(shape_of(s, value), area, up(0), up(1), up(2));
   float *row = out + s.group_start(kShape) * LANES;

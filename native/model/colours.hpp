@@ -1,19 +1,14 @@
-// Colours of models: opponent channels, luma space (docs/format.md, "Drawing").
+// The colours of a tile's model: channels of luma and differences, and the samples that they are (docs/format.md,
+// "Channels").
 #pragma once
-#include <cstdint>
 #include <vector>
+
+#include "model/spec.hpp"
 
 namespace sgi {
 
-// [C, C]; rows: one opponent channel each as a mix of the picture's channels.
-std::vector<double> colour_matrix(int channels);
-// [C, C]; what takes samples of luma space, any others behind them, to red, green and blue.
-std::vector<double> from_luma_space(int channels);
-// [3, 3], as `draw_texture` takes it: texture's opponent channels to the picture's; null for fewer than three.
-std::vector<float> texture_mix(int channels, bool luma_space);
-
-// matrix [C, C], or its transpose, times values [C, n].
-std::vector<double> mixed_planes(const std::vector<double> &matrix, bool transposed, const std::vector<double> &values,
-                                 int channels, int64_t n);
+// [3, 3]; rows: one of the first three samples each as a mix of the first three channels; empty where channels are
+// samples.
+std::vector<float> sample_mix(const ModelSpec &spec);
 
 }  // namespace sgi

@@ -25,8 +25,7 @@ template <class Value>
 inline void write_gaussians(const SeedModel &m, const SeedsView &seeds, const Block &block, Value value,
                             const SeedGaussians &out) {
   const vf cell = cells_of(seeds, block), area = cell * cell;
-  for (int c = 0; c < m.channels; ++c)
-    block.scatter(mixed_colour<vf>(m.opponent, m.channels, c, value), out.colours, m.channels, c);
+  for (int c = 0; c < m.channels; ++c) block.scatter(value(c), out.colours, m.channels, c);
   const Covariance<vf> covariance(shape_of(m, value), area);
   block.scatter(covariance.xx(), out.covariances, 3, 0);
   block.scatter(covariance.xy(), out.covariances, 3, 1);

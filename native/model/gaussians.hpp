@@ -85,13 +85,5 @@ inline Shape<V> shape_gradient(const Shape<V> &raw, V area, V up_xx, V up_xy, V 
           ((xx - yy) * e.odd + along * b) * limited.shrink, (xy * e.odd + along * c) * limited.shrink};
 }
 
-// Channel c of the picture's colours, from `opponent`(j) of the seed's.
-template <class V, class Opponent>
-inline V mixed_colour(const float *matrix, int channels, int c, Opponent opponent) {
-  V sum{};
-  for (int j = 0; j < channels; ++j) sum += opponent(j) * matrix[j * channels + c];
-  return sum;
-}
-
 }  // namespace
 }  // namespace sgi

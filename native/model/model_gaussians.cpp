@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "base/thread_pool.hpp"
-#include "model/colours.hpp"
 #include "model/constants.hpp"
 #include "model/gaussians.hpp"
 #include "model/rotated_gaussian.hpp"
@@ -21,10 +20,7 @@ void plain_gaussians(const ModelSpec &spec, const ModelSeeds &seeds, int threads
       half_pixels[2 * i + axis] = 2 * seeds.corner[2 * i + axis] + (1 << seeds.log_size[i]);
   std::vector<double> values(seeds.count * spec.attributes());
   for (size_t i = 0; i < values.size(); ++i) values[i] = double(seeds.decoded[i]) * kUnit;
-  const std::vector<double> matrix = colour_matrix(spec.channels);
-  const std::vector<float> opponent(matrix.begin(), matrix.end());
-  seed_gaussians({spec.channels, opponent.data()}, {half_pixels.data(), seeds.log_size}, seeds.count, values.data(),
-                 threads, isa, out);
+  seed_gaussians({spec.channels}, {half_pixels.data(), seeds.log_size}, seeds.count, values.data(), threads, isa, out);
 }
 
 // Two linear layers with what is negative cut off between them; rows of weights by input, so that sums run along them.

@@ -43,41 +43,14 @@ std::vector<Cubic> cubics(const OutputAxis &axis, int64_t begin, int64_t size) {
   return found;
 }
 
-// The transpose of [n, n], and its inverse, for n of 1 or 3.
-std::vector<double> transposed(const std::vector<double> &m) {
-  if (m.size() == 1) return m;
-  return {m[0], m[3], m[6], m[1], m[4], m[7], m[2], m[5], m[8]};
-}
-
-std::vector<double> inverse(const std::vector<double> &m) {
-  if (m.size() == 1) return {1 / m[0]};
-  const auto minor = [&](int a, int b, int c, int d) { return m[a] * m[d] - m[b] * m[c]; };
-  const double determinant = m[0] * minor(4, 5, 7, 8) - m[1] * minor(3, 5, 6, 8) + m[2] * minor(3, 4, 6, 7);
-  std::vector<double> found{minor(4, 5, 7, 8), minor(2, 1, 8, 7), minor(1, 2, 4, 5),
-                            minor(5, 3, 8, 6), minor(0, 2, 6, 8), minor(2, 0, 5, 3),
-                            minor(3, 4, 6, 7), minor(1, 0, 7, 6), minor(0, 1, 3, 4)};
-  for (double &value : found) value /= determinant;
-  return found;
-}
-
-std::vector<float> scaled(const std::vector<double> &m, double factor) {
-  std::vector<float> found;
-  for (const double value : m) found.push_back(float(value * factor));
-  return found;
-}
-
 }  // namespace
 
-Restoration::Restoration(std::shared_ptr<const RestorationNetwork> network, int step, int channels,
-                         const std::vector<float> &mix, int64_t width, int64_t height, Isa isa)
-    : network_(std::move(network)), channels_(channels), mixed_(channels >= 3 ? 3 : 1), width_(width), height_(height),
-      isa_(isa) {
-  const double size = power_of_two(step - kStepOfOne);
-  std::vector<double> out{1};
-  if (mixed_ == 3) out = transposed({mix.begin(), mix.end()});
-  into_ = scaled(inverse(out), kInputUnits / size);
-  out_ = scaled(out, std::ldexp(size, -network_->shift));
-}
+Restoration::Restoration(std::shared_ptr<const RestorationNetwork> network, int step, int channels, int64_t width,
+                         int64_t height, Isa isa)
+    : network_(std::move(network)), channels_(channels), seen_(channels >= 3 ? 3 : 1),
+      into_(float(kInputUnits / power_of_two(step - kStepOfOne))),
+      out_(float(std::ldexp(power_of_two(step - kStepOfOne), -network_->shift))), width_(width), height_(height),
+      isa_(isa) {}
 
 TileBlock Restoration::shown(const OutputAxis &x, const OutputAxis &y) const {
   const auto across = shown_of(x, width_), down = shown_of(y, height_);
@@ -92,58 +65,62 @@ TileBlock Restoration::needed(const OutputAxis &x, const OutputAxis &y) const {
           std::min(height_, seen.top + seen.rows + reach) - top};
 }
 
-void Restoration::add(const float *drawn, const OutputAxis &x, const OutputAxis &y, int threads, float *values) const {
+void Restoration::add(const float *drawn, const OutputAxis &x, const OutputAxis &y, int threads, float *planes) const {
   const TileBlock seen = shown(x, y);
-  const TilePixels<const float> from = interleaved(drawn, needed(x, y), channels_);
-  std::vector<float> correction(size_t(seen.columns) * seen.rows * channels_, 0.0f);
-  correct(from, threads, interleaved(correction.data(), seen, channels_));
+  std::vector<float> memory(size_t(seen.columns) * seen.rows * seen_);
+  const TilePlanes<float> correction{memory.data(), seen};
+  correct({drawn, needed(x, y)}, threads, correction);
   const std::vector<Cubic> across = cubics(x, seen.left, seen.columns), down = cubics(y, seen.top, seen.rows);
   parallel_for(y.count, threads, [&](int64_t row) {
-    std::vector<float> line(size_t(seen.columns) * channels_, 0.0f);
-    for (int tap = 0; tap < kCubicTaps; ++tap) {
-      const float *source = &correction[size_t(down[row].at[tap]) * line.size()], weight = down[row].weight[tap];
-      for (size_t i = 0; i < line.size(); ++i) line[i] += source[i] * weight;
+    std::vector<float> line(seen.columns);
+    for (int c = 0; c < seen_; ++c) {
+      std::fill(line.begin(), line.end(), 0.0f);
+      for (int tap = 0; tap < kCubicTaps; ++tap) {
+        const float *source = correction.at(c, seen.left, seen.top + down[row].at[tap]), weight = down[row].weight[tap];
+        for (size_t i = 0; i < line.size(); ++i) line[i] += source[i] * weight;
+      }
+      float *to = planes + (c * y.count + row) * x.count;
+      for (int64_t i = 0; i < x.count; ++i)
+        for (int tap = 0; tap < kCubicTaps; ++tap) to[i] += line[across[i].at[tap]] * across[i].weight[tap];
     }
-    float *to = values + row * x.count * channels_;
-    for (int64_t i = 0; i < x.count; ++i)
-      for (int c = 0; c < mixed_; ++c)
-        for (int tap = 0; tap < kCubicTaps; ++tap)
-          to[i * channels_ + c] += line[size_t(across[i].at[tap]) * channels_ + c] * across[i].weight[tap];
   });
 }
 
 int64_t Restoration::strip_columns() const { return kRestorationColumns - 2 * (network_->reach() - 1); }
 
-void Restoration::correct(const TilePixels<const float> &drawn, int threads, const TilePixels<float> &values) const {
-  const RestorationMix mix{out_.data(), mixed_, values.pixel, values.channel};
-  run_strips(drawn, values.block, threads, [&](const TileBlock &strip, const int32_t *sums) {
+void Restoration::correct(const TilePlanes<const float> &drawn, int threads,
+                          const TilePlanes<float> &correction) const {
+  const RestorationKernel &kernel = kernel_for<RestorationKernel>(isa_);
+  const std::vector<float> nothing(size_t(strip_columns()), 0.0f);
+  run_strips(drawn, correction.block, threads, [&](const TileBlock &strip, const int32_t *sums) {
     for (int64_t row = 0; row < strip.rows; ++row)
-      add_row(strip, row, sums, mix, values.at(strip.left, strip.top + row));
+      for (int c = 0; c < seen_; ++c)
+        kernel.add(sums + (c * strip.rows + row) * kRestorationStride, strip.columns, out_, nothing.data(),
+                   correction.at(c, strip.left, strip.top + row));
   });
 }
 
-void Restoration::restore(const TilePixels<const float> &drawn, const TileBlock &block, int threads,
+void Restoration::restore(const TilePlanes<const float> &drawn, const TileBlock &block, int threads,
                           const RowSink &sink) const {
-  const RestorationMix mix{out_.data(), mixed_, channels_, 1};
+  const RestorationKernel &kernel = kernel_for<RestorationKernel>(isa_);
   run_strips(drawn, block, threads, [&](const TileBlock &strip, const int32_t *sums) {
-    std::vector<float> values(size_t(strip.columns * channels_));
+    std::vector<float> restored(size_t(strip.columns * seen_));
+    std::vector<const float *> channels(channels_);
     for (int64_t row = 0; row < strip.rows; ++row) {
-      std::copy_n(drawn.at(strip.left, strip.top + row), values.size(), values.data());
-      add_row(strip, row, sums, mix, values.data());
-      sink(strip.left, strip.top + row, strip.columns, values.data());
+      for (int c = 0; c < channels_; ++c) {
+        channels[c] = drawn.at(c, strip.left, strip.top + row);
+        if (c >= seen_) continue;
+        float *const to = &restored[size_t(c * strip.columns)];
+        kernel.add(sums + (c * strip.rows + row) * kRestorationStride, strip.columns, out_, channels[c], to);
+        channels[c] = to;
+      }
+      sink(strip.left, strip.top + row, strip.columns, channels.data());
     }
   });
 }
 
-// Adds what the sums of a strip make of one of its rows.
-void Restoration::add_row(const TileBlock &strip, int64_t row, const int32_t *sums, const RestorationMix &mix,
-                          float *values) const {
-  kernel_for<RestorationKernel>(isa_).add(sums + row * kRestorationStride, strip.rows * kRestorationStride,
-                                          strip.columns, mix, values);
-}
-
 // Hands out the sums of the last layer for strips of a block, `kRestorationStride` from one row to the next.
-void Restoration::run_strips(const TilePixels<const float> &drawn, const TileBlock &block, int threads,
+void Restoration::run_strips(const TilePlanes<const float> &drawn, const TileBlock &block, int threads,
                              const StripSink &sink) const {
   const int64_t columns = strip_columns();
   const int64_t across = (block.columns + columns - 1) / columns, down = (block.rows + kStripRows - 1) / kStripRows;
@@ -156,7 +133,7 @@ void Restoration::run_strips(const TilePixels<const float> &drawn, const TileBlo
 }
 
 // The sums of the last layer for a strip. They last until the thread runs another one.
-const int32_t *Restoration::run(const TilePixels<const float> &drawn, const TileBlock &strip) const {
+const int32_t *Restoration::run(const TilePlanes<const float> &drawn, const TileBlock &strip) const {
   thread_local std::vector<int32_t> memory;
   const RestorationKernel &kernel = kernel_for<RestorationKernel>(isa_);
   int64_t rows = strip.rows + 2 * network_->reach(), most = kRestorationLast;
@@ -180,9 +157,8 @@ const int32_t *Restoration::run(const TilePixels<const float> &drawn, const Tile
 }
 
 // Those of a strip and what is around it: beyond the tile, its nearest pixels.
-void Restoration::read_inputs(const TilePixels<const float> &drawn, const TileBlock &strip, int64_t rows,
+void Restoration::read_inputs(const TilePlanes<const float> &drawn, const TileBlock &strip, int64_t rows,
                               int32_t *inputs) const {
-  const RestorationMix mix{into_.data(), mixed_, drawn.pixel, drawn.channel};
   const RestorationKernel &kernel = kernel_for<RestorationKernel>(isa_);
   const int64_t reach = network_->reach(), first = strip.left - reach;
   // of those columns that are drawn; beyond the strip's own margin nothing that is sound depends on others
@@ -191,7 +167,7 @@ void Restoration::read_inputs(const TilePixels<const float> &drawn, const TileBl
   for (int64_t row = 0; row < rows; ++row) {
     const int64_t y = std::clamp<int64_t>(strip.top - reach + row, 0, height_ - 1);
     int32_t *to[] = {inputs + row * kRestorationStride, inputs + (rows + row) * kRestorationStride};
-    kernel.inputs(drawn.at(first + begin, y), end - begin, mix, to[0] + begin, to[1] + begin);
+    kernel.inputs(drawn.at(0, first + begin, y), drawn.size(), seen_, end - begin, into_, to[0] + begin, to[1] + begin);
     for (int32_t *line : to) {
       std::fill(line, line + begin, line[begin]);
       std::fill(line + end, line + kRestorationColumns + 2, line[end - 1]);

@@ -1,4 +1,4 @@
-// What restoration needs of an instruction set: its layers, and colours on their way in and out.
+// What restoration needs of an instruction set: its layers, and channels on their way in and out.
 #pragma once
 #include <cstdint>
 
@@ -23,26 +23,20 @@ struct LayerView {
   const int32_t *squares;  // [kSquarePlaces, pairs, blocks * kRestorationBlock], null where there are none
 };
 
-// How the first `count` channels, 1 or 3, of pixels side by side are mixed: channel c of pixel i is at
-// i * pixel + c * channel.
-struct RestorationMix {
-  const float *matrix;  // [count, count]
-  int count;
-  int64_t pixel, channel;
-};
-
 // Operations are rounded by themselves, none fused: all instruction sets give the same.
 struct RestorationKernel {
-  // The inputs of the network for pixels side by side: the first two in one number, the third in the other.
-  void (*inputs)(const float *values, int64_t pixels, const RestorationMix &mix, int32_t *first, int32_t *second);
+  // The inputs of the network for pixels side by side, of which `channels`, 1 or 3, have rows `plane` apart: the first
+  // two in one number, the third in the other.
+  void (*inputs)(const float *row, int64_t plane, int channels, int64_t pixels, float scale, int32_t *first,
+                 int32_t *second);
   // in [pairs, rows + 2, stride]: pairs of values; out [2 blocks, rows, stride]: pairs of hidden values. small: whether
   // inputs are within 0 ... kRestorationSmall. Returns whether outputs are; rows must be two at least. As many
   // columns as are asked for are sound, of at most kRestorationColumns.
   bool (*hidden)(const LayerView &layer, const int32_t *in, int64_t rows, int64_t columns, bool small, int32_t *out);
   // The same for the last layer; out [kRestorationLast, rows, stride]: sums.
   void (*last)(const LayerView &layer, const int32_t *in, int64_t rows, int64_t columns, int32_t *out);
-  // Adds sums, `plane` apart, times the matrix to values.
-  void (*add)(const int32_t *sums, int64_t plane, int64_t pixels, const RestorationMix &mix, float *values);
+  // Writes what values of pixels side by side are with sums times `scale`; `restored` may be `values`.
+  void (*add)(const int32_t *sums, int64_t pixels, float scale, const float *values, float *restored);
   static const RestorationKernel portable, avx2, avx512;
 };
 

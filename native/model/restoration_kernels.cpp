@@ -2,9 +2,6 @@
 #ifdef SGI_X86
 #include <immintrin.h>
 #endif
-#include <algorithm>
-#include <array>
-
 #include "model/hidden_values.hpp"
 #include "model/restoration_kernel.hpp"
 #include "model/restoration_squares.hpp"
@@ -108,59 +105,21 @@ inline int32_t input_of(float value) {
   return int32_t((value + kMagic) - kMagic);
 }
 
-// How far apart pixels and channels are, where that is known when this is compiled: three channels of a pixel, or
-// planes of pixels; 0 for what the mix says.
-template <int PIXEL, int CHANNEL>
-struct Apart {
-  explicit Apart(const RestorationMix &mix)
-      : pixel(PIXEL ? PIXEL : mix.pixel), channel(CHANNEL ? CHANNEL : mix.channel) {}
-  const int64_t pixel, channel;
-};
-
-// Calls body(Apart) as it suits a mix of three channels.
-template <class Body>
-inline void as_apart(const RestorationMix &mix, Body body) {
-  if (mix.pixel == 3 && mix.channel == 1) return body(Apart<3, 1>(mix));
-  if (mix.pixel == 1) return body(Apart<1, 0>(mix));
-  body(Apart<0, 0>(mix));
-}
-
-void to_inputs(const float *values, int64_t pixels, const RestorationMix &mix, int32_t *first, int32_t *second) {
-  if (mix.count == 1) {
-    for (int64_t i = 0; i < pixels; ++i)
-      first[i] = input_of(values[i * mix.pixel] * mix.matrix[0]) & 0xffff, second[i] = 0;
+void to_inputs(const float *row, int64_t plane, int channels, int64_t pixels, float scale, int32_t *first,
+               int32_t *second) {
+  if (channels == 1) {
+    for (int64_t i = 0; i < pixels; ++i) first[i] = input_of(row[i] * scale) & 0xffff, second[i] = 0;
     return;
   }
-  std::array<float, 9> m;
-  std::copy_n(mix.matrix, m.size(), m.begin());
-  as_apart(mix, [&](const auto apart) {
-    for (int64_t i = 0; i < pixels; ++i) {
-      const float *p = values + i * apart.pixel;
-      const float x = p[0], y = p[apart.channel], z = p[2 * apart.channel];
-      const int32_t a = input_of(x * m[0] + y * m[1] + z * m[2]);
-      const int32_t b = input_of(x * m[3] + y * m[4] + z * m[5]);
-      const int32_t c = input_of(x * m[6] + y * m[7] + z * m[8]);
-      first[i] = int32_t(uint32_t(a & 0xffff) | uint32_t(b) << 16), second[i] = c & 0xffff;
-    }
-  });
+  const float *next = row + plane, *last = next + plane;
+  for (int64_t i = 0; i < pixels; ++i) {
+    const int32_t a = input_of(row[i] * scale), b = input_of(next[i] * scale), c = input_of(last[i] * scale);
+    first[i] = int32_t(uint32_t(a & 0xffff) | uint32_t(b) << 16), second[i] = c & 0xffff;
+  }
 }
 
-void add_correction(const int32_t *sums, int64_t plane, int64_t pixels, const RestorationMix &mix, float *values) {
-  if (mix.count == 1) {
-    for (int64_t i = 0; i < pixels; ++i) values[i * mix.pixel] += float(sums[i]) * mix.matrix[0];
-    return;
-  }
-  std::array<float, 9> m;
-  std::copy_n(mix.matrix, m.size(), m.begin());
-  as_apart(mix, [&](const auto apart) {
-    for (int64_t i = 0; i < pixels; ++i) {
-      float *p = values + i * apart.pixel;
-      const float a = float(sums[i]), b = float(sums[plane + i]), c = float(sums[2 * plane + i]);
-      p[0] += a * m[0] + b * m[1] + c * m[2];
-      p[apart.channel] += a * m[3] + b * m[4] + c * m[5];
-      p[2 * apart.channel] += a * m[6] + b * m[7] + c * m[8];
-    }
-  });
+void add_correction(const int32_t *sums, int64_t pixels, float scale, const float *values, float *restored) {
+  for (int64_t i = 0; i < pixels; ++i) restored[i] = values[i] + float(sums[i]) * scale;
 }
 
 }  // namespace

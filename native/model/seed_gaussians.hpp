@@ -16,8 +16,7 @@ struct SeedsView {
 
 // What a seed's d_A attributes are: those of its one Gaussian, a colour, a shape, an offset.
 struct SeedModel {
-  int channels;           // C
-  const float *opponent;  // [C, C]: colour = values * opponent
+  int channels;  // C
 
   SGI_INLINE int attributes() const { return channels + 5; }
   SGI_INLINE int group_size(int g) const { return g == kColour ? channels : g == kShape ? 3 : 2; }

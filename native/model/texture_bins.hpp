@@ -3,21 +3,19 @@
 #include <cstdint>
 #include <vector>
 
-#include "model/texture.hpp"
+#include "model/texture_drawing.hpp"
 
 namespace sgi {
 
 // In their order, and where their amplitudes begin.
 class TextureBins {
  public:
-  struct Blocks {
-    int64_t width, height, columns, rows;  // of a block, of all pixels
-  };
-
-  TextureBins(const Texture &texture, const TextureAxis &x, const TextureAxis &y, const Blocks &blocks)
-      : across((blocks.columns + blocks.width - 1) / blocks.width),
-        down((blocks.rows + blocks.height - 1) / blocks.height), width_(blocks.width), height_(blocks.height),
-        begin_(texture.count + 1), start_(across * down + 1), shown_(texture.count) {
+  // columns, rows: of all pixels.
+  TextureBins(const Texture &texture, const TextureAxis &x, const TextureAxis &y, const TextureBlocks &blocks,
+              int64_t columns, int64_t rows)
+      : across((blocks.before + columns + blocks.width - 1) / blocks.width),
+        down((blocks.above + rows + blocks.height - 1) / blocks.height), blocks_(blocks), begin_(texture.count + 1),
+        start_(across * down + 1), shown_(texture.count) {
     for (int64_t i = 0; i < texture.count; ++i)
       begin_[i + 1] = begin_[i] + (int64_t(texture.channels) << 2 * texture.log_size[i]);
     for_each_pair(texture, x, y, [&](int64_t block, int64_t cell) { ++start_[block + 1], shown_[cell] = 1; });
@@ -42,12 +40,13 @@ class TextureBins {
       const CellAxis *h = x.cells(texture.corner[2 * i], texture.log_size[i]);
       const CellAxis *v = y.cells(texture.corner[2 * i + 1], texture.log_size[i]);
       if (!h || !v) continue;
-      for (int64_t r = v->first / height_; r <= (v->first + v->count - 1) / height_; ++r)
-        for (int64_t c = h->first / width_; c <= (h->first + h->count - 1) / width_; ++c) body(r * across + c, i);
+      const int64_t left = blocks_.before + h->first, top = blocks_.above + v->first;
+      for (int64_t r = top / blocks_.height; r <= (top + v->count - 1) / blocks_.height; ++r)
+        for (int64_t c = left / blocks_.width; c <= (left + h->count - 1) / blocks_.width; ++c) body(r * across + c, i);
     }
   }
 
-  const int64_t width_, height_;
+  const TextureBlocks blocks_;
   std::vector<int64_t> begin_, start_, cells_;
   std::vector<uint8_t> shown_;
 };

@@ -57,20 +57,8 @@ void add(const TexturePart &part, float *out, int64_t stride) {
   }
 }
 
-inline void store_part(float *to, int64_t count, vf values) {
-  if (count >= LANES) return store(to, values);
-  __builtin_memcpy(to, &values, size_t(count) * sizeof *to);
-}
-
-void mix(const float *m, const float *planes, int64_t plane, int64_t n, float *const out[3]) {
-  for (int64_t i = 0; i < n; i += LANES) {
-    const vf a = load(planes + i), b = load(planes + plane + i), c = load(planes + 2 * plane + i);
-    for (int k = 0; k < 3; ++k) store_part(out[k] + i, n - i, m[k] * a + m[3 + k] * b + m[6 + k] * c);
-  }
-}
-
 }  // namespace
 
-const TextureKernel TextureKernel::SGI_ISA{sgi::add, sgi::mix};
+const TextureKernel TextureKernel::SGI_ISA{sgi::add};
 
 }  // namespace sgi

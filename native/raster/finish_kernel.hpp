@@ -1,4 +1,5 @@
-// From a drawn tile to samples: the background is added, values are clipped, mapped and rounded, channels interleaved.
+// From a drawn tile to samples: the background is added, channels are mixed, values clipped, mapped, rounded and
+// interleaved.
 #pragma once
 #include <cstdint>
 
@@ -9,15 +10,16 @@ namespace sgi {
 
 constexpr int kMaxDrawnChannels = 64;
 
-// What lies behind the Gaussians: row y is the sum over t < taps of down[y][t] * lines[c][top[y] + t], and of `planes`.
+// What lies behind the Gaussians of a tile: row y of the view is the sum over t < taps of down[y][t] * lines[c][top[y]
+// + t], and of `planes`.
 struct Background {
   const float *lines;  // [C, count, width]
   int64_t count, width;
-  const int32_t *top;   // [height]
-  const float *down;    // [height, taps]
-  int taps;             // 0 for no lines
-  const float *planes;  // [C, height, plane_width], null for none
-  int64_t height, plane_width;
+  const int32_t *top;        // [height]
+  const float *down;         // [height, taps]
+  int taps;                  // 0 for no lines
+  const float *planes;       // from the tile's first pixel on, null for none; vectors may be read behind the last one
+  int64_t plane, plane_row;  // how far channels and rows are apart there
 };
 
 // Where samples go [height, width, C], and how: sample = low + span * value, of values clipped to 0..1 if `clip`,
@@ -28,6 +30,13 @@ struct Samples {
   SampleType type;
   const float *low, *span;  // [C]
   bool clip;
+  const float *mix;  // [3, 3]; rows: the first three values each as a mix of channels; null where channels are values
+};
+
+// Where channels go as they are [C, height, width].
+struct ChannelPlanes {
+  float *first;
+  int64_t row_stride, plane;
 };
 
 // Every operation is rounded by itself, none fused, so that all instruction sets give the same.
@@ -35,7 +44,11 @@ struct FinishKernel {
   // Of a tile.
   void (*finish)(const float *tile, int channels, const TileRect &rect, const Background &background,
                  const Samples &samples);
-  // Of values of pixels side by side, their channels in turn: stores samples from the first one on.
+  void (*finish_channels)(const float *tile, int channels, const TileRect &rect, const Background &background,
+                          const ChannelPlanes &planes);
+  // Of pixels side by side, from the first sample on: from rows of their channels, and from values, those of a pixel
+  // one after the other, which are mixed already.
+  void (*store_channels)(const float *const *rows, int64_t pixels, int channels, const Samples &samples);
   void (*store)(const float *values, int64_t pixels, int channels, const Samples &samples);
   static const FinishKernel portable, avx2, avx512;
 };

@@ -13,15 +13,13 @@ namespace {
 using Words = uint16_t __attribute__((vector_size(LANES * 2)));
 using Bytes = uint8_t __attribute__((vector_size(LANES)));
 
-constexpr int kStrip = 16;  // columns that are interleaved at once
+constexpr int kStrip = 16;  // pixels that are interleaved at once
 
-// The values of a line from column x on, all of them there if INSIDE; zeros where there is none.
-template <bool INSIDE>
-inline vf load_part(const float *line, int64_t width, int64_t x) {
-  if (INSIDE || (x >= 0 && x + LANES <= width)) return load(line + x);
+// Of values of which there are so many; zeros behind.
+inline vf load_part(const float *values, int64_t count) {
+  if (count >= LANES) return load(values);
   vf row{};
-  for (int i = 0; i < LANES; ++i)
-    if (x + i >= 0 && x + i < width) row[i] = line[x + i];
+  __builtin_memcpy(&row, values, size_t(count) * sizeof *values);
   return row;
 }
 
@@ -40,10 +38,10 @@ inline void convert(vf row, uint16_t *to) {
 inline void convert(vf row, float *to) { __builtin_memcpy(to, &row, sizeof row); }
 
 template <int C, class T>
-inline void interleave(const T *planes, int channels, int first, int last, T *to) {
-  const int count = C ? C : channels;
-  for (int x = first; x < last; ++x)
-    for (int c = 0; c < count; ++c) *to++ = planes[c * kTileWidth + x];
+inline void interleave(const T *planes, int channels, int count, T *to) {
+  const int each = C ? C : channels;
+  for (int x = 0; x < count; ++x)
+    for (int c = 0; c < each; ++c) *to++ = planes[c * kStrip + x];
 }
 
 #ifdef __SSSE3__
@@ -64,83 +62,127 @@ inline void interleave_three(const uint8_t *planes, uint8_t *to) {
   for (int p = 0; p < 3; ++p) {
     __m128i out = _mm_setzero_si128();
     for (int c = 0; c < 3; ++c)
-      out = _mm_or_si128(out, _mm_shuffle_epi8(load_bytes(planes + c * kTileWidth), load_bytes(kShown.pixel[p][c])));
+      out = _mm_or_si128(out, _mm_shuffle_epi8(load_bytes(planes + c * kStrip), load_bytes(kShown.pixel[p][c])));
     _mm_storeu_si128(reinterpret_cast<__m128i *>(to + p * kStrip), out);
   }
 }
 #endif
 
+// Of a strip of so many pixels; planes: kStrip samples of each channel.
 template <class T>
-inline void write_row(const T *planes, int channels, int first, int last, T *to) {
+inline void write_strip(const T *planes, int channels, int count, T *to) {
 #ifdef __SSSE3__
   if constexpr (sizeof(T) == 1) {
-    if (channels == 3 && last - first == kStrip) return interleave_three(planes + first, to);
+    if (channels == 3 && count == kStrip) return interleave_three(planes, to);
   }
 #endif
   switch (channels) {
-    case 1: interleave<1>(planes, 1, first, last, to); break;
-    case 3: interleave<3>(planes, 3, first, last, to); break;
-    case 4: interleave<4>(planes, 4, first, last, to); break;
-    default: interleave<0>(planes, channels, first, last, to);
+    case 1: interleave<1>(planes, 1, count, to); break;
+    case 3: interleave<3>(planes, 3, count, to); break;
+    case 4: interleave<4>(planes, 4, count, to); break;
+    default: interleave<0>(planes, channels, count, to);
   }
-}
-
-// A row of one channel, strip after strip: `row` counts in the view, `from` holds the tile's values. TAPS: their
-// number, or 0 for what the background says.
-template <bool PLANES, bool INSIDE, int TAPS, class T>
-inline void finish_row(const float *from, int channel, int64_t row, const TileRect &r, const Background &b,
-                       const Samples &s, T *to) {
-  const int taps = TAPS ? TAPS : b.taps;
-  const float *line = taps ? b.lines + (channel * b.count + b.top[row]) * b.width : nullptr;
-  const float *plane = PLANES ? b.planes + (channel * b.height + row) * b.plane_width : nullptr;
-  const float *down = taps ? b.down + row * taps : nullptr;
-  const float span = s.clip ? s.span[channel] : 1.0f, low = s.clip ? s.low[channel] : 0.0f;
-  for (int at = r.col0 / kStrip * kStrip; at < r.col1; at += LANES) {
-    vf values = load(from + at);
-    for (int t = 0; t < taps; ++t) values += load_part<INSIDE>(line + t * b.width, b.width, r.x + at) * down[t];
-    if (PLANES) values += load_part<false>(plane, b.plane_width, r.x + at);
-    if (s.clip) values = mapped(values, low, span);
-    convert(values, to + at);
-  }
-}
-
-template <bool PLANES, bool INSIDE, int TAPS, class T>
-void finish_rows(const float *tile, int channels, const TileRect &r, const Background &b, const Samples &s) {
-  T planes[kMaxDrawnChannels * kTileWidth];
-  for (int y = r.row0; y < r.row1; ++y) {
-    const int64_t row = int64_t(r.y) + y;
-    for (int c = 0; c < channels; ++c)
-      finish_row<PLANES, INSIDE, TAPS>(tile + c * kTilePlane + y * kTileStride, c, row, r, b, s,
-                                       planes + c * kTileWidth);
-    T *to = static_cast<T *>(s.first) + row * s.row_stride + int64_t(r.x) * channels;
-    for (int strip = r.col0 / kStrip * kStrip; strip < r.col1; strip += kStrip) {
-      const int first = strip < r.col0 ? r.col0 : strip, last = r.col1 - strip < kStrip ? r.col1 : strip + kStrip;
-      write_row(planes, channels, first, last, to + first * channels);
-    }
-  }
-}
-
-template <bool PLANES, class T>
-void finish_planes_as(const float *tile, int channels, const TileRect &r, const Background &b, const Samples &s) {
-  const bool inside = r.x >= 0 && r.x + kTileWidth <= b.width;
-  if (inside && b.taps == 4)
-    finish_rows<PLANES, true, 4, T>(tile, channels, r, b, s);
-  else
-    finish_rows<PLANES, false, 0, T>(tile, channels, r, b, s);
 }
 
 template <class T>
-void finish_as(const float *tile, int channels, const TileRect &r, const Background &b, const Samples &s) {
-  b.planes ? finish_planes_as<true, T>(tile, channels, r, b, s) : finish_planes_as<false, T>(tile, channels, r, b, s);
+void store_channels_as(const float *const *rows, int64_t pixels, int channels, const Samples &s) {
+  T planes[kMaxDrawnChannels * kStrip];
+  T *to = static_cast<T *>(s.first);
+  for (int64_t at = 0; at < pixels; at += kStrip) {
+    const int count = int(pixels - at < kStrip ? pixels - at : kStrip);
+    for (int x = 0; x < count; x += LANES) {
+      const auto channel = [&](int c) { return load_part(rows[c] + at + x, pixels - at - x); };
+      const auto write = [&](int c, vf row) {
+        convert(s.clip ? mapped(row, s.low[c], s.span[c]) : row, planes + c * kStrip + x);
+      };
+      int c = 0;
+      if (s.mix) {
+        const vf first = channel(0), second = channel(1), third = channel(2);
+        for (; c < 3; ++c) write(c, s.mix[3 * c] * first + s.mix[3 * c + 1] * second + s.mix[3 * c + 2] * third);
+      }
+      for (; c < channels; ++c) write(c, channel(c));
+    }
+    write_strip(planes, channels, count, to + at * channels);
+  }
 }
 
-void finish(const float *tile, int channels, const TileRect &rect, const Background &background,
-            const Samples &samples) {
+void store_channels(const float *const *rows, int64_t pixels, int channels, const Samples &samples) {
   switch (samples.type) {
-    case SampleType::u8: finish_as<uint8_t>(tile, channels, rect, background, samples); break;
-    case SampleType::u16: finish_as<uint16_t>(tile, channels, rect, background, samples); break;
-    case SampleType::f32: finish_as<float>(tile, channels, rect, background, samples); break;
+    case SampleType::u8: store_channels_as<uint8_t>(rows, pixels, channels, samples); break;
+    case SampleType::u16: store_channels_as<uint16_t>(rows, pixels, channels, samples); break;
+    case SampleType::f32: store_channels_as<float>(rows, pixels, channels, samples); break;
   }
+}
+
+// Writes the first `count` values of a vector.
+inline void store_part(float *to, int count, vf values) {
+  if (count >= LANES) return store(to, values);
+  __builtin_memcpy(to, &values, size_t(count) * sizeof *to);
+}
+
+// The pixels of a row of one channel of a tile that lie in the view, on their background. TAPS: their number, or 0 for
+// what the background says.
+template <bool PLANES, bool INSIDE, int TAPS>
+inline void finish_row(const float *tile, int channel, int y, const TileRect &r, const Background &b, float *to) {
+  const int taps = TAPS ? TAPS : b.taps;
+  const int64_t row = int64_t(r.y) + y;
+  const float *from = tile + channel * kTilePlane + y * kTileStride;
+  const float *line = taps ? b.lines + (channel * b.count + b.top[row]) * b.width + r.x : nullptr;
+  const float *plane = PLANES ? b.planes + channel * b.plane + y * b.plane_row : nullptr;
+  const float *down = taps ? b.down + row * taps : nullptr;
+  for (int at = r.col0; at < r.col1; at += LANES) {
+    vf values = load(from + at);
+    for (int t = 0; t < taps; ++t) {
+      const float *const tap = line + t * b.width + at;
+      values += (INSIDE ? load(tap) : load_part(tap, b.width - r.x - at)) * down[t];
+    }
+    if (PLANES) values += load(plane + at);
+    store_part(to + at - r.col0, r.col1 - at, values);
+  }
+}
+
+// Hands out the rows of a tile: sink(y, write), in which write(c, to) writes channel c.
+template <bool PLANES, bool INSIDE, int TAPS, class Sink>
+inline void finish_rows(const float *tile, const TileRect &r, const Background &b, Sink sink) {
+  for (int y = r.row0; y < r.row1; ++y)
+    sink(y, [&](int c, float *to) { finish_row<PLANES, INSIDE, TAPS>(tile, c, y, r, b, to); });
+}
+
+template <bool PLANES, class Sink>
+inline void finish_planes(const float *tile, const TileRect &r, const Background &b, Sink sink) {
+  const bool inside = r.x + r.col0 + kTileWidth <= b.width;
+  if (inside && b.taps == 4)
+    finish_rows<PLANES, true, 4>(tile, r, b, sink);
+  else
+    finish_rows<PLANES, false, 0>(tile, r, b, sink);
+}
+
+template <class Sink>
+inline void finish_on(const float *tile, const TileRect &r, const Background &b, Sink sink) {
+  b.planes ? finish_planes<true>(tile, r, b, sink) : finish_planes<false>(tile, r, b, sink);
+}
+
+int64_t bytes_of(SampleType type) { return type == SampleType::u8 ? 1 : type == SampleType::u16 ? 2 : 4; }
+
+void finish(const float *tile, int channels, const TileRect &r, const Background &background, const Samples &samples) {
+  Samples row_samples = samples;
+  float values[kMaxDrawnChannels * kTileWidth];
+  const float *rows[kMaxDrawnChannels];
+  for (int c = 0; c < channels; ++c) rows[c] = values + c * kTileWidth;
+  finish_on(tile, r, background, [&](int y, auto write) {
+    for (int c = 0; c < channels; ++c) write(c, values + c * kTileWidth);
+    const int64_t first = (int64_t(r.y) + y) * samples.row_stride + int64_t(r.x + r.col0) * channels;
+    row_samples.first = static_cast<uint8_t *>(samples.first) + first * bytes_of(samples.type);
+    store_channels(rows, r.col1 - r.col0, channels, row_samples);
+  });
+}
+
+void finish_channels(const float *tile, int channels, const TileRect &r, const Background &background,
+                     const ChannelPlanes &planes) {
+  finish_on(tile, r, background, [&](int y, auto write) {
+    float *to = planes.first + (int64_t(r.y) + y) * planes.row_stride + r.x + r.col0;
+    for (int c = 0; c < channels; ++c, to += planes.plane) write(c, to);
+  });
 }
 
 inline bool all_equal(const float *values, int count) {
@@ -189,6 +231,6 @@ void store(const float *values, int64_t pixels, int channels, const Samples &sam
 
 }  // namespace
 
-const FinishKernel FinishKernel::SGI_ISA{sgi::finish, sgi::store};
+const FinishKernel FinishKernel::SGI_ISA{sgi::finish, sgi::finish_channels, sgi::store_channels, sgi::store};
 
 }  // namespace sgi

@@ -63,31 +63,61 @@ float *Rasterizer::partials_for(int64_t slots, int channels) {
   return partials_.get();
 }
 
-void Rasterizer::forward(const Gaussians &g, const View &view, float cutoff, float *image) {
+// Calls finish(a tile's channels, where it is, the planes behind its first pixel or null) for all tiles.
+template <class Finish>
+void Rasterizer::draw_tiles(const Gaussians &g, const View &view, float cutoff, const GroupPlanes &behind,
+                            Finish finish) {
   bin_gaussians(g.means, g.covariances, g.count, view, cutoff, threads_, bins_);
-  parallel_for(int64_t(view.tiles_x()) * view.tiles_y(), threads_, [&](int64_t tile) {
-    TileBuffer buffer(g.channels);
-    const TileRect r = tile_rect(view, tile);
-    const int64_t begin = bins_.tile_start[tile];
-    kernel_.forward(bins_.entries.data() + begin, bins_.tile_start[tile + 1] - begin, bins_.splats.data(), g.colours,
-                    g.channels, r.x + view.x0, r.y + view.y0, least_height(cutoff), buffer.data());
-    for_each_row(view, r, g.channels, [&](int64_t to, int from, int n) {
-      std::memcpy(image + to, buffer.data() + from, n * sizeof(float));
-    });
+  const int64_t tiles_x = view.tiles_x(), tiles_y = view.tiles_y();
+  const int64_t across = (tiles_x + kGroupTiles - 1) / kGroupTiles, down = (tiles_y + kGroupTiles - 1) / kGroupTiles;
+  parallel_for(across * down, threads_, [&](int64_t group) {
+    thread_local std::vector<float> memory;
+    const int64_t left = group % across * kGroupTiles, top = group / across * kGroupTiles;
+    if (behind && memory.size() < size_t(g.channels) * kGroupPlane) memory.resize(size_t(g.channels) * kGroupPlane);
+    const bool has_planes = behind && behind(group % across, group / across, memory.data());
+    for (int64_t y = top; y < std::min(tiles_y, top + kGroupTiles); ++y)
+      for (int64_t x = left; x < std::min(tiles_x, left + kGroupTiles); ++x) {
+        TileBuffer buffer(g.channels);
+        const int64_t tile = y * tiles_x + x, begin = bins_.tile_start[tile];
+        const TileRect r = tile_rect(view, tile);
+        kernel_.forward(bins_.entries.data() + begin, bins_.tile_start[tile + 1] - begin, bins_.splats.data(),
+                        g.colours, g.channels, r.x + view.x0, r.y + view.y0, least_height(cutoff), buffer.data());
+        const int64_t at = (y - top) * kTileHeight * kGroupStride + (x - left) * kTileWidth;
+        finish(buffer.data(), r, has_planes ? memory.data() + at : nullptr);
+      }
+  });
+}
+
+void Rasterizer::forward(const Gaussians &g, const View &view, float cutoff, float *image) {
+  draw_tiles(g, view, cutoff, nullptr, [&](const float *tile, const TileRect &r, const float *) {
+    for_each_row(view, r, g.channels,
+                 [&](int64_t to, int from, int n) { std::memcpy(image + to, tile + from, n * sizeof(float)); });
+  });
+}
+
+namespace {
+
+Background onto(const Background &background, const float *planes) {
+  Background found = background;
+  found.planes = planes, found.plane = kGroupPlane, found.plane_row = kGroupStride;
+  return found;
+}
+
+}  // namespace
+
+void Rasterizer::draw(const Gaussians &g, const View &view, float cutoff, const Background &background,
+                      const GroupPlanes &behind, const Samples &samples) {
+  const auto finish = kernel_for<FinishKernel>(isa_).finish;
+  draw_tiles(g, view, cutoff, behind, [&](const float *tile, const TileRect &r, const float *planes) {
+    finish(tile, g.channels, r, onto(background, planes), samples);
   });
 }
 
 void Rasterizer::draw(const Gaussians &g, const View &view, float cutoff, const Background &background,
-                      const Samples &samples) {
-  bin_gaussians(g.means, g.covariances, g.count, view, cutoff, threads_, bins_);
-  const auto finish = kernel_for<FinishKernel>(isa_).finish;
-  parallel_for(int64_t(view.tiles_x()) * view.tiles_y(), threads_, [&](int64_t tile) {
-    TileBuffer buffer(g.channels);
-    const TileRect r = tile_rect(view, tile);
-    const int64_t begin = bins_.tile_start[tile];
-    kernel_.forward(bins_.entries.data() + begin, bins_.tile_start[tile + 1] - begin, bins_.splats.data(), g.colours,
-                    g.channels, r.x + view.x0, r.y + view.y0, least_height(cutoff), buffer.data());
-    finish(buffer.data(), g.channels, r, background, samples);
+                      const GroupPlanes &behind, const ChannelPlanes &planes) {
+  const auto finish = kernel_for<FinishKernel>(isa_).finish_channels;
+  draw_tiles(g, view, cutoff, behind, [&](const float *tile, const TileRect &r, const float *of_tile) {
+    finish(tile, g.channels, r, onto(background, of_tile), planes);
   });
 }
 

@@ -1,6 +1,7 @@
 // The additive rasteriser I(x) = sum_i c_i G_i(x) and its gradients, tile by tile.
 #pragma once
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -24,6 +25,15 @@ struct Gradients {
   float *colours;      // [N, C]
 };
 
+// Tiles are drawn in groups, so that what lies behind many of them is drawn once, in the cache.
+constexpr int kGroupTiles = 2, kGroupWidth = kGroupTiles * kTileWidth, kGroupHeight = kGroupTiles * kTileHeight;
+constexpr int kGroupStride = kGroupWidth + 16;  // of a row of a group; a vector may begin at any column
+constexpr int kGroupPlane = kGroupHeight * kGroupStride;
+
+// Writes what else lies behind a group [C, kGroupHeight, kGroupStride], from its first pixel on. False for nothing. The
+// first group begins where the view's first tile does.
+using GroupPlanes = std::function<bool(int64_t column, int64_t row, float *planes)>;
+
 // Holds the bins and the partial sums of one picture, so that repeated steps reuse the memory. Not safe for use by two
 // threads at once.
 class Rasterizer {
@@ -34,8 +44,13 @@ class Rasterizer {
 
   // Draws into image [C, height, width].
   void forward(const Gaussians &g, const View &view, float cutoff, float *image);
-  // Draws onto a background and stores samples, tile by tile: there is no image of floats in between.
-  void draw(const Gaussians &g, const View &view, float cutoff, const Background &background, const Samples &samples);
+  // Draws onto a background without planes, and onto those of groups, and stores samples, tile by tile: there is no
+  // image of floats in between. behind: empty for none.
+  void draw(const Gaussians &g, const View &view, float cutoff, const Background &background, const GroupPlanes &behind,
+            const Samples &samples);
+  // The same, but channels are left as they are.
+  void draw(const Gaussians &g, const View &view, float cutoff, const Background &background, const GroupPlanes &behind,
+            const ChannelPlanes &planes);
   // One pass over the tiles: draws, compares, and returns the loss, with its weight, the sum of (I - target)^2, and the
   // loss's gradients.
   Errors error(const Gaussians &g, const View &view, float cutoff, const Comparison &with, const Gradients &out);
@@ -44,6 +59,8 @@ class Rasterizer {
   int64_t pairs() const;  // (tile, Gaussian) pairs of the last forward
 
  private:
+  template <class Finish>
+  void draw_tiles(const Gaussians &g, const View &view, float cutoff, const GroupPlanes &behind, Finish finish);
   void reduce(const Gaussians &g, const Gradients &out);
   float *partials_for(int64_t slots, int channels);
 

@@ -19,8 +19,8 @@ double SymbolBits::of(int64_t symbol, int scale) const {
   return bits[start[table] + 2 * support[table] + 1] + std::min(exponent + 1, 20) + exponent + 1;
 }
 
-CodingModel::CodingModel(const AttributeModel &coding, const SymbolBits &tables_, const float *opponent_)
-    : channels(coding.channels), tables(tables_), opponent(opponent_) {
+CodingModel::CodingModel(const AttributeModel &coding, const SymbolBits &tables_)
+    : channels(coding.channels), tables(tables_) {
   for (int g = 0; g < kGroups; ++g) {
     const AttributeStep &step = coding.steps[size_t(g)];
     const AttributeGroup &group = step.groups[0];

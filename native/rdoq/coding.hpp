@@ -24,15 +24,14 @@ struct SymbolBits {
 };
 
 struct CodingModel {
-  // coding: of plain seeds; opponent [C, C].
-  CodingModel(const AttributeModel &coding, const SymbolBits &tables, const float *opponent);
+  // coding: of plain seeds.
+  CodingModel(const AttributeModel &coding, const SymbolBits &tables);
 
   int channels;
   const Network *networks[kGroups];
   GroupPlan plans[kGroups];  // without amplitudes
   int inputs[kGroups];       // that each network sees
   SymbolBits tables;
-  const float *opponent;  // [C, C]: colour = values * opponent
 
   int attributes() const { return channels + kPlaceAttributes; }
   int first_column(Group group) const { return group == kColour ? 0 : group == kShape ? channels : channels + 3; }

@@ -53,9 +53,7 @@ bool SeedSearch::splat_of(const double *values, Splat &splat) const {
 }
 
 void SeedSearch::colours_of(const double *values, float *colours) const {
-  const auto opponent = [&](int j) { return float(values[j]); };
-  for (int c = 0; c < model_.channels; ++c)
-    colours[c] = mixed_colour<float>(model_.opponent, model_.channels, c, opponent);
+  for (int c = 0; c < model_.channels; ++c) colours[c] = float(values[c]);
 }
 
 Window SeedSearch::reserve(const Seed &seed, const Residual &residual) {

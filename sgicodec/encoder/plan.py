@@ -109,7 +109,7 @@ def stream_plan(shape: Shape, settings: EncodeSettings) -> Plan:
     profile = settings.chosen_profile
     _check_shape(shape)
     spec = _with_texture_that_fits(profile.spec(settings, shape.bands), grid)
-    if settings.tuned_for == "visual" and shape.channels in COLOURED_LAYOUTS:
+    if settings.tuned_for == "visual" and shape.channels in COLOURED_LAYOUTS and spec.plain:
         spec = replace(spec, luma_space=True)
     _check_model(spec, grid)
     fit = settings.fit_settings()

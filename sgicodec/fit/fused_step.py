@@ -14,7 +14,7 @@ from sgicodec.fit.noise import NoiseKey
 from sgicodec.fit.parameters import Parameters, StepResult
 from sgicodec.fit.pyramid import Level
 from sgicodec.model.context import neighbour_table
-from sgicodec.model.gaussians import MIN_VARIANCE, colour_matrix, empty_gaussians
+from sgicodec.model.gaussians import MIN_VARIANCE, empty_gaussians
 from sgicodec.model.layout import SeedLayout
 from sgicodec.model.network import IntNetwork
 from sgicodec.model.spec import ModelSpec
@@ -44,9 +44,8 @@ class FusedStep:
     def __init__(
         self, spec: ModelSpec, seed: int, networks: Sequence[IntNetwork], raster: Backend, device: Device
     ) -> None:
-        opponent = np.array(colour_matrix(spec.channels), np.float32)
         weights = float_weights(networks)
-        self.native = _native.SeedFit(device.isa, device.threads, spec.context.hidden, opponent, *weights)
+        self.native = _native.SeedFit(device.isa, device.threads, spec.channels, spec.context.hidden, *weights)
         self.spec, self.seed, self.raster = spec, seed, raster
         self.age = 0
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec.model.distinct import distinct
-from sgicodec.model.gaussians import colour_matrix, decoder_shapes
+from sgicodec.model.gaussians import decoder_shapes
 from sgicodec.model.layout import ROOT_LOG, SeedLayout, cell_sums
 from sgicodec.model.spec import ModelSpec
 
@@ -30,8 +30,7 @@ def fresh_values(spec: ModelSpec, mean: F32, pixels: int) -> dict[str, F32]:
     n = len(mean)
     values = {group.name: np.zeros((n, group.size), np.float32) for group in spec.groups}
     if spec.plain:
-        opponent = np.array(colour_matrix(spec.channels), np.float32)
-        values["colour"][:] = np.float32(0.7) * mean @ opponent.T
+        values["colour"][:] = np.float32(0.7) * mean
         values["shape"][:, 0] = math.log(0.5)
     else:
         values["scales"] += np.float32(math.log(0.5 * math.sqrt(pixels / n)))

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from sgicodec.model.gaussians import colour_matrix
 from sgicodec.model.quantization import FRACTION_BITS, step_fixed
 
 __all__ = ["base_colours", "base_shape", "base_step", "cubic_weights", "fit_base", "render_base"]
@@ -20,16 +19,13 @@ def base_shape(width: int, height: int, cell: int) -> tuple[int, int]:
 
 
 def base_step(index: int) -> float:
-    """The step of the base layer's integers, in samples."""
+    """The step of the base layer's integers."""
     return float(step_fixed(np.array(index))) * 2.0**-FRACTION_BITS
 
 
 def base_colours(base: NDArray[np.int64], index: int) -> F64:
-    """The cells' colours [C, rows, columns] as samples, from their integers `base` in steps of this index, which are
-    opponent colours.
-    """
-    colours: F64 = np.tensordot(np.array(colour_matrix(len(base))).T, base * base_step(index), axes=1)
-    return colours
+    """The cells' colours [C, rows, columns], from their integers `base` in steps of this index."""
+    return np.asarray(base * base_step(index), np.float64)
 
 
 def cubic_weights(positions: NDArray[np.floating], count: int, cell: float) -> F64:

@@ -16,7 +16,6 @@ from sgicodec.model.spec import ModelSpec
 
 __all__ = [
     "MIN_VARIANCE",
-    "colour_matrix",
     "decoder_parts",
     "decoder_shapes",
     "empty_gaussians",
@@ -51,20 +50,6 @@ def decoder_parts(spec: ModelSpec, flat: Any) -> dict[str, Any]:
     return parts
 
 
-def colour_matrix(channels: int) -> list[list[float]]:
-    """Rows: one opponent channel each as a mix of the picture's channels; orthonormal, so that steps compare.
-
-    The first three of three or more channels turn into luma and two chroma differences; others stay as they are.
-    """
-    matrix = [[float(row == column) for column in range(channels)] for row in range(channels)]
-    if channels >= 3:
-        root2, root3, root6 = 2**-0.5, 3**-0.5, 6**-0.5
-        matrix[0][:3] = [root3, root3, root3]
-        matrix[1][:3] = [root2, 0.0, -root2]
-        matrix[2][:3] = [-root6, 2 * root6, -root6]
-    return matrix
-
-
 def empty_gaussians(count: int, channels: int) -> tuple[F32, F32, F32]:
     """Memory for means [count, 2], covariances [count, 3] and colours [count, C]."""
     means, covariances, colours = (np.empty((count, size), np.float32) for size in (2, 3, channels))
@@ -75,14 +60,13 @@ def model_gaussians(
     spec: ModelSpec, values: F32 | F64, layout: SeedLayout, decoders: Mapping[str, F32], device: Device
 ) -> tuple[F32, F32, F32]:
     """All N·K Gaussians of seeds with attributes `values` [N, d_A], as of `gaussians_from_seeds`, to be rendered."""
-    opponent = np.array(colour_matrix(spec.channels), np.float32)
     if not spec.plain:
-        arrays = values.astype(np.float32), layout.centre, layout.cell, decoders, opponent
+        arrays = values.astype(np.float32), layout.centre, layout.cell, decoders
         means, covariances, colours = map(np.ascontiguousarray, gaussians_from_seeds(spec, *arrays, np))
         return means, covariances, colours
     means, covariances, colours = empty_gaussians(len(layout), spec.channels)
     places = np.ascontiguousarray(values, np.float64), layout.half_pixels, layout.log_size
-    seed_gaussians(*places, opponent, device.threads, device.isa, means, covariances, colours)
+    seed_gaussians(*places, device.threads, device.isa, means, covariances, colours)
     return means, covariances, colours
 
 
@@ -92,19 +76,18 @@ def gaussians_from_seeds(
     centres: Any,
     cell: Any,
     decoders: Mapping[str, Any],
-    opponent: Any,
     xp: Any,
 ) -> tuple[Any, Any, Any]:
     """All N·K Gaussians of N seeds (paper, equations 1 to 3).
 
     attributes [N, d_A] as `spec.groups` lays them out, centres [N, 2] and cell sizes [N] in pixels, decoder weights by
-    the names of `decoder_shapes`, opponent [C, C] as `colour_matrix`; `xp` is numpy or torch. Returns means [N·K, 2]
+    the names of `decoder_shapes`; `xp` is numpy or torch. Returns means [N·K, 2]
     pixels, covariances [N·K, 3] (xx, xy, yy) pixels², colours [N·K, C].
     """
     n, k = attributes.shape[0], spec.per_seed
     offsets = attributes[:, spec.group("offset").columns].reshape(n, k, 2)
     if spec.plain:
-        colours = attributes[:, spec.group("colour").columns] @ opponent
+        colours = attributes[:, spec.group("colour").columns]
         xx, xy, yy = _log_covariance(attributes[:, None, spec.group("shape").columns], cell[:, None], xp)
     else:
         features = attributes[:, : spec.features]

@@ -11,7 +11,6 @@ from sgicodec._native import TEXTURE_MIN_LOG as MIN_LOG
 from sgicodec._native import TEXTURE_ROOT_LOG as ROOT_LOG
 from sgicodec._native import draw_texture
 from sgicodec.device import ONE_THREAD, Device
-from sgicodec.model.gaussians import colour_matrix
 
 __all__ = ["MIN_LOG", "ROOT_LOG", "TextureLayer"]
 
@@ -23,7 +22,8 @@ class TextureLayer:
     """The cells of a tile that hold texture, in Z-order of the quadtree, superblock after superblock.
 
     size: width and height of the tile. corner [N, 2] pixels, log_size [N] of the side n; amplitudes: [C, n, n] of each
-    cell (vertical frequency, then horizontal), in opponent colours, one cell after the other.
+    cell (vertical frequency, then horizontal), one cell after the other. waves [N, C, 2]: rows, a multiple of four, and
+    columns of amplitudes behind which all are zero.
     """
 
     size: tuple[int, int]
@@ -31,12 +31,11 @@ class TextureLayer:
     corner: NDArray[np.int32]
     log_size: NDArray[np.uint8]
     amplitudes: F32
+    waves: NDArray[np.uint8]
 
     def draw(self, device: Device = ONE_THREAD) -> F32:
-        """Planes [C, h, w] of the tile in the picture's colours."""
+        """Planes [C, h, w] of the tile."""
         width, height = self.size
         planes = np.empty((self.channels, height, width), np.float32)
-        mix = np.array(colour_matrix(3), np.float32) if self.channels >= 3 else None
-        cells = self.corner, self.log_size, self.amplitudes
-        draw_texture(*cells, mix, device.threads, device.isa, planes)
+        draw_texture(self.corner, self.log_size, self.amplitudes, self.waves, device.threads, device.isa, planes)
         return planes

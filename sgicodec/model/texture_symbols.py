@@ -30,7 +30,7 @@ F32 = NDArray[np.float32]
 Beyond = Literal["constant", "edge", "symmetric"]
 
 SAME_COLOURS = 32, 32, 8
-"""Of a layer in opponent colours."""
+"""Of a layer in the channels of its tile."""
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ class TextureSteps:
     to that, 2^((ratio − 16) / 8). slopes: by which steps grow towards the highest frequency, in halves, of the first
     channel and of the others. excess: what is added to the magnitude of symbols ±1, ±2 and larger ones, (index − 8) /
     32. has_contrast: whether superblocks have a contrast, which scales their steps by 2^(contrast / 4). colours: those
-    in which the layer is coded: shares of its first channel in the two opponent colours, (index − 32) / 64, and the
+    in which the layer is coded: shares of its first channel in the two differences, (index − 32) / 64, and the
     turn of its others, (index − 8) π / 32.
     """
 

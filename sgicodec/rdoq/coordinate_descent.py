@@ -9,7 +9,6 @@ from sgicodec._native import search_seeds
 from sgicodec.bitstream.entropy.tables import frequency_tables
 from sgicodec.bitstream.parts.attributes import SeedCoding
 from sgicodec.bitstream.parts.tile import TileModel
-from sgicodec.model.gaussians import colour_matrix
 from sgicodec.model.quantization import FRACTION_BITS
 from sgicodec.raster.backend import DEFAULT_CUTOFF
 from sgicodec.rdoq.objective import Objective, joined, with_values
@@ -35,7 +34,6 @@ def descend(
         *SeedCoding.of(header, model.layout, model.plan, model.networks),
         joined(model),
         *(tables.support, tables.start, tables.symbol_bits),
-        np.array(colour_matrix(header.spec.channels), np.float32),
         residual,
         objective.padded_weights,
         lmbda,

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from sgicodec._native import TextureAmplitudes, cheapest_colours
 from sgicodec.bitstream.parts.texture import texture_models
 from sgicodec.device import ALL_CORES, Device
-from sgicodec.model.gaussians import colour_matrix
 from sgicodec.model.texture_symbols import SAME_COLOURS, TextureSteps, TextureSymbols, roots_of, whole_roots
 
 __all__ = ["NO_SPLIT_SEARCH", "SPLIT_SEARCH_MARGIN", "TextureSearch", "colours_for", "superblock_planes"]
@@ -27,11 +26,8 @@ _Found = tuple[_Layer, list[float], list[float]]
 
 
 def superblock_planes(residual: F32, beyond: Literal["symmetric", "constant"] = "symmetric") -> F32:
-    """A residual [C, H, W] in opponent colours, mirrored, or with zeros, to fill whole superblocks [C, 32 rows, 32
-    columns].
-    """
-    mixed = np.tensordot(np.array(colour_matrix(len(residual)), np.float32), residual, axes=1)
-    return np.ascontiguousarray(whole_roots(mixed, beyond), np.float32)
+    """A residual [C, H, W], mirrored, or with zeros, to fill whole superblocks [C, 32 rows, 32 columns]."""
+    return np.ascontiguousarray(whole_roots(residual, beyond), np.float32)
 
 
 def colours_for(
@@ -54,7 +50,7 @@ def colours_for(
 class TextureSearch:
     """Searches layers for what a tile leaves over.
 
-    residual [C, H, W]: the picture less what is rendered, samples in 0..1. split_margin: a block is tried whole, or
+    residual [C, H, W]: the tile less what is rendered. split_margin: a block is tried whole, or
     divided, where an estimate says that it costs at most this many times what the other does. correction [C, H, W]:
     what is shown anyhow. colours: of the layers (see `TextureSteps`).
     """

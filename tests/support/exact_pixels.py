@@ -17,7 +17,7 @@ from sgicodec.bitstream.parts.tile import TileModel
 from sgicodec.model.quantization import step_fixed
 from sgicodec.model.texture_symbols import TextureSymbols
 
-__all__ = ["View", "drawn_tile"]
+__all__ = ["View", "drawn_tile", "samples_of"]
 
 F32 = NDArray[np.float32]
 F64 = NDArray[np.float64]
@@ -150,35 +150,18 @@ class View:
         return self.scale == 1 and self.offset == 0
 
 
-# Gaussians
+# Gaussians and channels
 
 
-def opponent(channels: int) -> F64:
-    """M [C, C]."""
-    matrix = np.eye(channels)
-    if channels >= 3:
-        a, b, c = (float.fromhex(x) for x in ("0x1.279a74590331cp-1", "0x1.6a09e667f3bcdp-1", "0x1.a20bd700c2c3ep-2"))
-        matrix[:3, :3] = [[a, a, a], [b, 0, -b], [-c, 2 * c, -c]]
-    return matrix
-
-
-FROM_LUMA = np.array(
-    [
-        [float.fromhex(number) for number in row.split()]
-        for row in (
-            "0x1.6f96f96f96f96p+0 -0x1.5555555555554p-2 -0x1.a41a41a41a40ap-4",
-            "-0x1.5015015015008p-6 0x1.7777777777778p-1 0x1.2612612612613p-2",
-            "-0x1.a41a41a41a40cp-4 -0x1.5555555555556p-2 0x1.6f96f96f96f97p+0",
-        )
-    ]
-)
-
-
-def from_luma(channels: int) -> F64:
-    """A⁻¹ M₃ and the identity [C, C]."""
-    matrix = np.eye(channels)
-    matrix[:3, :3] = FROM_LUMA
-    return matrix
+def sample_mix(luma_space: bool) -> F32:
+    """F [3, 3]: samples of channels."""
+    one = np.longdouble(1)
+    luma, difference, ends = np.sqrt(one / 3), np.sqrt(one / 2), np.sqrt(one / 6)
+    rows = [[luma, difference, -ends], [luma, 0 * one, 2 * ends], [luma, -difference, -ends]]
+    if luma_space:
+        red, wide = np.sqrt(one * 2) / 1.3, np.sqrt(one * 2 / 3)
+        rows = [[luma, red, -wide], [luma, -red / 5, wide * 3 / 5], [luma, -red, -wide]]
+    return np.array(rows).astype(np.float32)
 
 
 def products(matrix: Any, values: Any) -> Any:
@@ -244,10 +227,6 @@ def gaussians(header: Header, model: TileModel) -> tuple[F32, F32, F32]:
     means, covariances, colours = [], [], []
     for k in range(spec.per_seed):
         own = colour[k * channels : (k + 1) * channels]
-        if spec.plain:
-            own = products(opponent(channels).astype(np.float32).T, own)
-        if spec.luma_space:
-            own = [c.astype(np.float32) for c in products(from_luma(channels), [c.astype(np.float64) for c in own])]
         colours.append(own)
         centre = [model.layout.corner[:, axis].astype(np.float32) + f(0.5) * cell for axis in range(2)]
         offset = group["offset"][2 * k : 2 * k + 2]
@@ -340,11 +319,7 @@ def footprints(view: View, cell: int) -> list[dict[int, float]]:
 def add_base(image: F32, header: Header, model: TileModel, across: View, down: View) -> F32:
     """The image with the base layer."""
     spec = header.spec
-    values = list(model.base * (float(step_fixed(np.array(model.base_step))) * 2.0**-24))
-    values = products(opponent(spec.channels).T, values)
-    if spec.luma_space:
-        values = products(from_luma(spec.channels), values)
-    grid = np.array(values)
+    grid = np.asarray(model.base * (float(step_fixed(np.array(model.base_step))) * 2.0**-24))
     rows, columns = grid.shape[1:]
     horizontal = footprints(across, spec.base_cell)
     lines = np.zeros((spec.channels, rows, across.count), np.float32)
@@ -483,13 +458,6 @@ def texture_planes(header: Header, texture: TextureSymbols, across: View, down: 
                 lines += given[c, :, u, None] * phi_x[None, :, u]
             for v in range(n):
                 part[c] += phi_y[:, v, None] * lines[v]
-    if channels >= 3:
-        into = FROM_LUMA if header.spec.luma_space else np.eye(3)
-        mix = np.zeros((3, 3))
-        for k in range(3):
-            mix += opponent(3)[:, k, None] * into[None, :, k]
-        m = mix.astype(np.float32)
-        planes[:3] = [m[0, c] * planes[0] + m[1, c] * planes[1] + m[2, c] * planes[2] for c in range(3)]
     return planes
 
 
@@ -501,54 +469,21 @@ def restored(header: Header, model: TileModel, drawn: F32) -> F32:
     choice = model.restoration
     assert choice is not None
     network, delta = network_of(choice.network), power_of_two(choice.step - 480)
-    out = [1.0]
-    if len(drawn) >= 3:
-        into = FROM_LUMA if header.spec.luma_space else np.eye(3)
-        mix = np.zeros((3, 3))
-        for k in range(3):
-            mix += opponent(3)[:, k, None] * into[None, :, k]
-        out = mix.astype(np.float32).astype(np.float64).T.reshape(-1).tolist()
-    into = [f(value * (128 / delta)) for value in inverse(out)]
-    back = [f(value * math.ldexp(delta, -network.k)) for value in out]
+    channels = 3 if len(drawn) >= 3 else 1
     seen = np.zeros((3, *drawn.shape[1:]), np.float32)
-    if len(out) == 9:
-        for c in range(3):
-            a, b, d = into[3 * c : 3 * c + 3]
-            seen[c] = drawn[0] * a + drawn[1] * b + drawn[2] * d
-    else:
-        seen[0] = drawn[0] * into[0]
+    seen[:channels] = drawn[:channels] * f(128 / delta)
     inputs = np.rint(np.clip(np.nan_to_num(seen), f(-32767), f(32767))).astype(np.int64)
     sums = network.sums(inputs).astype(np.float32)
     result = drawn.copy()
-    if len(out) == 9:
-        for c in range(3):
-            a, b, d = back[3 * c : 3 * c + 3]
-            result[c] += sums[0] * a + sums[1] * b + sums[2] * d
-    else:
-        result[0] += sums[0] * back[0]
+    result[:channels] += sums[:channels] * f(math.ldexp(delta, -network.k))
     return result
-
-
-def inverse(m: list[float]) -> list[float]:
-    """Of a matrix [3, 3], row by row, by its minors."""
-    if len(m) == 1:
-        return [1 / m[0]]
-
-    def minor(a: int, b: int, c: int, d: int) -> float:
-        return m[a] * m[d] - m[b] * m[c]
-
-    determinant = m[0] * minor(4, 5, 7, 8) - m[1] * minor(3, 5, 6, 8) + m[2] * minor(3, 4, 6, 7)
-    found = [minor(4, 5, 7, 8), minor(2, 1, 8, 7), minor(1, 2, 4, 5)]
-    found += [minor(5, 3, 8, 6), minor(0, 2, 6, 8), minor(2, 0, 5, 3)]
-    found += [minor(3, 4, 6, 7), minor(1, 0, 7, 6), minor(0, 1, 3, 4)]
-    return [value / determinant for value in found]
 
 
 # All of it
 
 
 def drawn_tile(header: Header, model: TileModel, across: View, down: View) -> F32:
-    """I [C, h, w] of a tile's model, not clipped; header: of the tile as a picture of its own."""
+    """The channels [C, h, w] of a tile; header: of the tile as a picture of its own."""
     parts = gaussians(header, model)
     if not (across.is_plain and down.is_plain):
         parts = rescaled(*parts, across, down)
@@ -557,4 +492,14 @@ def drawn_tile(header: Header, model: TileModel, across: View, down: View) -> F3
         image = add_base(image, header, model, across, down)
     if model.texture is not None:
         image = image + texture_planes(header, model.texture, across, down)
+    return image
+
+
+def samples_of(header: Header, drawn: F32) -> F32:
+    """I [C, h, w] of channels, not clipped."""
+    spec = header.spec
+    if spec.channels < 3 or not spec.plain:
+        return drawn
+    image, m = drawn.copy(), sample_mix(spec.luma_space)
+    image[:3] = [m[c, 0] * drawn[0] + m[c, 1] * drawn[1] + m[c, 2] * drawn[2] for c in range(3)]
     return image

@@ -17,7 +17,7 @@ from sgicodec.model.spec import ContextSpec, ModelSpec
 
 __all__ = ["LAYOUT_NAMES", "SAMPLE_TYPES", "decode_header"]
 
-FORMAT_VERSION = 19
+FORMAT_VERSION = 20
 MAX_SIDE, MAX_CHANNELS, MAX_TILES, MIN_TILE, MAX_APRON = 1 << 24, 64, 1 << 20, 32, 256
 LAYOUT_NAMES = ("multi", "gray", "gray+alpha", "rgb", "rgba")
 SAMPLE_TYPES = ("uint8", "uint16", "float32")
@@ -124,7 +124,7 @@ def _check_model(header: Header) -> None:
         sound = spec.hidden > 0 and not context.neighbours
     if not sound:
         raise CorruptStreamError("header: settings that contradict each other")
-    if spec.luma_space and header.channels not in ("rgb", "rgba"):
+    if spec.luma_space and (header.channels not in ("rgb", "rgba") or spec.layout != "adaptive"):
         raise CorruptStreamError(f"header: {header.channels} has no luma space")
     expected = {"multi": channels, "gray": 1, "gray+alpha": 2, "rgb": 3, "rgba": 4}[header.channels]
     if expected != channels:

@@ -10,10 +10,9 @@ from numpy.typing import NDArray
 
 from sgicodec._native import shipped
 
-__all__ = ["OPPONENT", "PARTS", "Network", "another_network", "corrected", "network_of"]
+__all__ = ["PARTS", "Network", "another_network", "corrected", "network_of"]
 
 PARTS = Path(__file__).parents[2] / "sgicodec" / "bitstream" / "parts"
-OPPONENT = np.array([[1, 1, 1], [1, 0, -1], [-1, 2, -1]]) / np.sqrt([[3], [2], [6]])
 MOST = 32767
 
 F64 = NDArray[np.float64]
@@ -69,19 +68,11 @@ def network_of(network: int | bytes) -> Network:
 
 
 def corrected(drawn: F64, which: int | bytes, step: int) -> F64:
-    """What is added to a tile [C, H, W] drawn in the channels that the stream codes."""
-    network, delta = network_of(which), 2.0 ** ((step - 480) / 32)
-    mixed = len(drawn) >= 3
+    """What is added to the channels of a tile [C, H, W]."""
+    network, delta, count = network_of(which), 2.0 ** ((step - 480) / 32), 3 if len(drawn) >= 3 else 1
     seen = np.zeros((3, *drawn.shape[1:]))
-    if mixed:
-        seen[:] = np.tensordot(OPPONENT, drawn[:3], axes=1)
-    else:
-        seen[0] = drawn[0]
+    seen[:count] = drawn[:count]
     inputs = np.clip(np.rint(np.nan_to_num(128 * seen / delta, posinf=MOST, neginf=-MOST)), -MOST, MOST)
-    found = delta * 2.0**-network.k * network.sums(inputs.astype(np.int64))
     correction = np.zeros_like(drawn)
-    if mixed:
-        correction[:3] = np.tensordot(OPPONENT.T, found, axes=1)
-    else:
-        correction[0] = found[0]
+    correction[:count] = (delta * 2.0**-network.k * network.sums(inputs.astype(np.int64)))[:count]
     return correction

@@ -18,7 +18,7 @@ Steps = tuple[int, list[int], tuple[int, int], tuple[int, int, int], bool, tuple
 Read = tuple[Steps, NDArray[np.uint8], NDArray[np.int8], NDArray[np.int16]]
 
 OPPONENT, COLOURED = 2, 3
-"""Whether a layer is in opponent colours or in colours of its own."""
+"""Whether a layer is in the channels of its tile or in colours of its own."""
 _MODELS_BITS, _STEP_BITS, _RATIO_BITS, _EXCESS_BITS, _SHARE_BITS, _TURN_BITS = 4, 9, 5, 4, 6, 4
 _SLOPE_BITS = MAX_SLOPE.bit_length()
 

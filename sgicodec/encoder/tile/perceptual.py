@@ -47,7 +47,7 @@ class Perceptual:
         step, price = tuning.step(state.lmbda), tuning.price(state.lmbda)
         layer = state.best_layer(search, step, price)
         state = replace(state, strength=state.best_strength(search, layer))
-        screen = Screen(tile.spec.luma_space, tile.picture.alpha is not None, tile.alpha)
+        screen = Screen(tile.spec, tile.picture.alpha is not None, tile.alpha)
         ascent = ScoreAscent(tile.unit, screen, tile.empty, tile.device, passes, state.strength)
         steps = CalibratedSteps(tile.plan.calibrated_quality, step, passes)
         for _ in range(passes):

@@ -1,4 +1,4 @@
-"""What a screen shows of the samples that a model has, and gradients back from there."""
+"""What a screen shows of the channels of a model, and gradients back from there."""
 
 from __future__ import annotations
 
@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from sgicodec.model.luma_space import from_luma_space
+from sgicodec.model.colours import to_samples
+from sgicodec.model.spec import ModelSpec
 
 __all__ = ["Screen"]
 
@@ -19,16 +20,16 @@ _BEHIND = np.float32(0.5)
 
 @dataclass(frozen=True)
 class Screen:
-    """luma_space: whether the model's samples are in luma space; has_alpha: whether its last channel is opacity; alpha
-    [H, W]: what that is, None where the model says so.
+    """spec: of the model; has_alpha: whether its last channel is opacity; alpha [H, W]: what that is, None where the
+    model says so.
     """
 
-    luma_space: bool = False
+    spec: ModelSpec
     has_alpha: bool = False
     alpha: F32 | None = None
 
     def shown(self, planes: F32) -> F32:
-        """sRGB samples [C, H, W] of planes as the model has them; without alpha, where they have one."""
+        """sRGB samples [C, H, W] of a model's channels; without alpha, where they have one."""
         samples = self._plain(planes)
         if not self.has_alpha:
             return samples
@@ -43,9 +44,7 @@ class Screen:
             of_alpha = (shown * (samples[:-1] - _BEHIND)).sum(axis=0, keepdims=True)
             moves = (samples[-1:] > 0) & (samples[-1:] < 1) & (self.alpha is None)
             gradient = np.concatenate([shown * self._opacity(samples), of_alpha * moves])
-        if not self.luma_space:
-            return gradient
-        return np.tensordot(from_luma_space(len(gradient)).T.astype(np.float32), gradient, axes=1)
+        return np.tensordot(to_samples(self.spec).T.astype(np.float32), gradient, axes=1)
 
     def _opacity(self, samples: F32) -> F32:
         """[1, H, W], 0 to 1."""
@@ -53,7 +52,5 @@ class Screen:
         return opacity
 
     def _plain(self, planes: F32) -> F32:
-        """Samples out of luma space."""
-        if not self.luma_space:
-            return planes
-        return np.tensordot(from_luma_space(len(planes)).astype(np.float32), planes, axes=1)
+        """Samples of all channels."""
+        return np.tensordot(to_samples(self.spec).astype(np.float32), planes, axes=1)

@@ -19,7 +19,7 @@ from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.encoder.tile.restoration import Restorer, Strength
 from sgicodec.encoder.tile.texture_steps import TUNINGS, Masking, TextureTuning
 from sgicodec.metrics.masking_weights import masking_weights
-from sgicodec.model.luma_space import to_luma_space
+from sgicodec.model.colours import to_channels
 from sgicodec.model.spec import ModelSpec
 from sgicodec.model.texture_symbols import TextureSymbols
 from sgicodec.picture import Picture
@@ -97,7 +97,7 @@ class Tile:
     effort: Effort
     """How much is done to it."""
     unit: F32
-    """[C, H, W]: samples as the model is to show them, in 0..1."""
+    """[C, H, W]: the channels of samples in 0..1, as the model is to show them."""
     empty: NDArray[np.bool_] | None
     """[H, W]: pixels that need not be coded, None for none."""
     alpha: F32 | None
@@ -168,9 +168,9 @@ def tile_of(
         alpha = np.clip(unit[-1], 0, 1)
         unit[-1] = OPAQUE
         empty = None if empty is not None and empty.all() else empty  # a tile without a mask has a model
+    weights = masking_weights(unit, empty) if settings.tuned_for == "visual" else None
     masking = Masking(TUNINGS[settings.tuned_for], unit, device)
-    if header.spec.luma_space:
-        unit = np.tensordot(to_luma_space(header.spec.channels).astype(np.float32), unit, axes=1)
+    unit = np.tensordot(to_channels(header.spec).astype(np.float32), unit, axes=1)
     return Tile(
         picture,
         plan,
@@ -183,7 +183,7 @@ def tile_of(
         empty,
         alpha,
         bare,
-        masking_weights(unit, empty) if settings.tuned_for == "visual" else None,
+        weights,
         masking,
         Watch(listener or TileListener()),
         device,

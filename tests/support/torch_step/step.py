@@ -18,7 +18,7 @@ from sgicodec.fit.parameters import Parameters, StepResult
 from sgicodec.fit.pyramid import Level
 from sgicodec.fit.seed_set import coded_values
 from sgicodec.fit.weight_bits import with_weight_noise
-from sgicodec.model.gaussians import colour_matrix, decoder_parts, gaussians_from_seeds
+from sgicodec.model.gaussians import decoder_parts, gaussians_from_seeds
 from sgicodec.model.layout import SeedLayout
 from sgicodec.model.network import IntNetwork
 from sgicodec.model.spec import ModelSpec
@@ -46,7 +46,6 @@ class AutogradStep:
     ) -> None:
         self.spec, self.settings, self.raster, self.size = spec, settings, raster, size
         self.proxy, self.networks = QuantizationProxy(spec, family), networks
-        self._opponent = torch.tensor(colour_matrix(spec.channels))
 
     def set_layout(self, layout: SeedLayout, quality: int) -> None:
         """As `GradientStep.set_layout`."""
@@ -80,7 +79,6 @@ class AutogradStep:
             self._centre * level.scale,
             self._cell * level.scale,
             decoders,
-            self._opponent,
             torch,
         )
         side = net.hash_bits() + net.weight_bits()

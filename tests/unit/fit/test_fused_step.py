@@ -15,7 +15,7 @@ from sgicodec.fit.fused_step import FusedStep
 from sgicodec.fit.noise import NoiseKey, hashed_noise
 from sgicodec.fit.parameters import StepResult
 from sgicodec.fit.pyramid import Level
-from sgicodec.model.gaussians import colour_matrix, gaussians_from_seeds
+from sgicodec.model.gaussians import gaussians_from_seeds
 from sgicodec.model.quantization import DEAD_ZONE, DEAD_ZONE_LIMIT
 from sgicodec.model.spec import ModelSpec
 from sgicodec.profiles.default import default_spec
@@ -152,8 +152,7 @@ def test_between_its_runs_the_network_said_constants(isa: str) -> None:
         drawn.append(value + q * torch.from_numpy(noise).float())
         costs = costs + bits_laplace(drawn[-1] - m, q.expand_as(drawn[-1]), s.expand_as(drawn[-1])).sum()
     centre, cell = torch.from_numpy(problem.layout.centre), torch.from_numpy(problem.layout.cell)
-    opponent = torch.tensor(colour_matrix(problem.spec.channels))
-    gaussians = gaussians_from_seeds(problem.spec, torch.cat(drawn, dim=1), centre, cell, {}, opponent, torch)
+    gaussians = gaussians_from_seeds(problem.spec, torch.cat(drawn, dim=1), centre, cell, {}, torch)
     loss = error(gaussians, torch.from_numpy(given[3].samples), problem.reference.raster)[0]
     (loss + LMBDA * costs).backward()  # type: ignore[no-untyped-call]
     gradients = {name: leaf.grad.numpy() for name, leaf in leaves.items() if leaf.grad is not None}

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sgicodec.model.gaussians import MIN_VARIANCE, colour_matrix, decoder_shapes, gaussians_from_seeds
+from sgicodec.model.gaussians import MIN_VARIANCE, decoder_shapes, gaussians_from_seeds
 from sgicodec.model.spec import ModelSpec
 from sgicodec.profiles.default import default_spec
 from sgicodec.profiles.paper import paper_spec
@@ -23,7 +23,7 @@ SPECS = {
 
 
 def inputs_of(spec: ModelSpec, seeds: int, dtype: Any, size: float = 1.0) -> tuple[Any, ...]:
-    """Attributes, centres, cells, decoders and opponent matrix."""
+    """Attributes, centres, cells and decoders."""
     rng = np.random.default_rng(seeds)
     decoders = {name: rng.normal(size=shape).astype(dtype) * 0.3 for name, shape in decoder_shapes(spec).items()}
     return (
@@ -31,7 +31,6 @@ def inputs_of(spec: ModelSpec, seeds: int, dtype: Any, size: float = 1.0) -> tup
         rng.uniform(0, 100, (seeds, 2)).astype(dtype),
         2.0 ** rng.integers(0, 7, seeds).astype(dtype),
         decoders,
-        np.array(colour_matrix(spec.channels), dtype),
     )
 
 
@@ -43,7 +42,7 @@ def test_log_covariance_is_a_matrix_exponential(a: float, b: float, c: float, ce
     spec = default_spec(1)
     attributes = np.array([[0.5, a, b, c, 0.25, -0.5]])
     means, covariances, colours = gaussians_from_seeds(
-        spec, attributes, np.array([[10.0, 20.0]]), np.array([cell]), {}, np.eye(1), np
+        spec, attributes, np.array([[10.0, 20.0]]), np.array([cell]), {}, np
     )
     values, vectors = np.linalg.eigh(np.array([[a + b, c], [c, a - b]]))
     expected = cell**2 * (vectors * np.exp(2 * values)) @ vectors.T + MIN_VARIANCE * np.eye(2)
@@ -56,8 +55,8 @@ def test_log_covariance_is_a_matrix_exponential(a: float, b: float, c: float, ce
 def test_rotated_covariance_offsets_and_decoders() -> None:
     """Paper, equations 1 to 3, one seed and one Gaussian at a time."""
     spec = paper_spec(2, per_seed=3, features=7)
-    attributes, centres, cell, decoders, opponent = inputs_of(spec, 6, np.float64)
-    means, covariances, colours = gaussians_from_seeds(spec, attributes, centres, cell, decoders, opponent, np)
+    attributes, centres, cell, decoders = inputs_of(spec, 6, np.float64)
+    means, covariances, colours = gaussians_from_seeds(spec, attributes, centres, cell, decoders, np)
     for seed in range(6):
         feature, scales, offset = np.split(attributes[seed], [7, 11])
         outputs = {
@@ -93,7 +92,6 @@ def test_the_largest_values_that_a_stream_can_hold_stay_finite(
     }
     attributes = np.where(rng.random((20, large.attributes)) < 0.8, attribute, 0).astype(np.float32)
     centres, cell = np.full((20, 2), 1e6, np.float32), np.full(20, 64, np.float32)
-    opponent = np.array(colour_matrix(large.channels), np.float32)
     with np.errstate(all="raise", under="ignore"):
-        arrays = gaussians_from_seeds(large, attributes, centres, cell, decoders, opponent, np)
+        arrays = gaussians_from_seeds(large, attributes, centres, cell, decoders, np)
     assert all(np.isfinite(array).all() for array in arrays)

@@ -14,7 +14,7 @@ from scenes import ISAS
 
 from sgicodec import _native
 from sgicodec.model.context import input_count
-from sgicodec.model.gaussians import colour_matrix, gaussians_from_seeds
+from sgicodec.model.gaussians import gaussians_from_seeds
 from sgicodec.profiles.default import default_spec
 
 F32, F64 = NDArray[np.float32], NDArray[np.float64]
@@ -77,7 +77,7 @@ def native(isa: str, s: Seeds) -> tuple[tuple[F32, F32, F32], tuple[F32, F32, F3
     outputs = [2 * predicted + 1 for predicted in (3, 3, 2)]
     first = np.zeros(HIDDEN * sum(inputs), np.float32)
     rest = np.zeros(sum(HIDDEN * (1 + count) + count for count in outputs), np.float32)
-    step = _native.SeedFit(isa, 1, HIDDEN, np.array(colour_matrix(3), np.float32), first, rest)
+    step = _native.SeedFit(isa, 1, 3, HIDDEN, first, rest)
     step.set_layout(s.half_pixels, s.log_size, np.full((COUNT, 1), -1, np.int32), 0)
     steps = np.zeros(8 * _native.LEVELS + 2, np.float32)
     gaussians = np.empty((COUNT, 2), np.float32), np.empty((COUNT, 3), np.float32), np.empty((COUNT, 3), np.float32)
@@ -93,8 +93,7 @@ def expected(s: Seeds) -> tuple[list[F64], F64]:
     attributes = torch.from_numpy(np.concatenate([s.colour, s.shape, s.offset], axis=1)).double().requires_grad_()
     centre = torch.from_numpy(s.half_pixels).double() / 2
     cell = 2.0 ** torch.from_numpy(s.log_size).double()
-    opponent = torch.tensor(colour_matrix(3), dtype=torch.float64)
-    gaussians = gaussians_from_seeds(SPEC, attributes, centre, cell, {}, opponent, torch)
+    gaussians = gaussians_from_seeds(SPEC, attributes, centre, cell, {}, torch)
     sum((g * torch.from_numpy(up)).sum() for g, up in zip(gaussians, s.up, strict=True)).backward()
     assert attributes.grad is not None
     return [g.detach().numpy() for g in gaussians], attributes.grad.numpy()

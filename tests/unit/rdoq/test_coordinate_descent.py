@@ -9,7 +9,7 @@ from rough_models import stage
 from scenes import ISAS
 
 from sgicodec.bitstream.parts.tile import TileModel, quantise, write_tile
-from sgicodec.model.gaussians import colour_matrix, gaussians_from_seeds
+from sgicodec.model.gaussians import gaussians_from_seeds
 from sgicodec.raster.reference import rasterize_reference
 from sgicodec.rdoq import Objective, RdoqSettings
 from sgicodec.rdoq import coordinate_descent as descent
@@ -22,10 +22,9 @@ PLAIN = RdoqSettings()
 def dense_residual(objective: Objective, model: TileModel) -> NDArray[np.float64]:
     """Picture less drawn [C, H, W], every Gaussian everywhere; the base layer is zero."""
     _, height, width = objective.target.shape
-    opponent = np.array(colour_matrix(objective.header.spec.channels))
     layout = model.layout
     centre, cell = layout.centre.astype(np.float64), layout.cell.astype(np.float64)
-    gaussians = gaussians_from_seeds(objective.header.spec, joined(model), centre, cell, {}, opponent, np)
+    gaussians = gaussians_from_seeds(objective.header.spec, joined(model), centre, cell, {}, np)
     return objective.target - rasterize_reference(*gaussians, width, height)
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from data_files import DATA
@@ -16,8 +18,9 @@ from sgicodec.encoder.tile.screen import Screen
 from sgicodec.encoder.tile.texture_steps import TUNINGS, Masking
 from sgicodec.metrics.scores import scores
 from sgicodec.metrics.visual_score import VisualReference
-from sgicodec.model.luma_space import from_luma_space, to_luma_space
+from sgicodec.model.colours import to_channels, to_samples
 from sgicodec.model.texture_symbols import TextureSymbols
+from sgicodec.profiles.default import default_spec
 from sgicodec.rdoq.texture import TextureSearch
 
 TUNING = TUNINGS["visual"]
@@ -31,13 +34,12 @@ class Case:
         self.step = step
         pixels = read(DATA / "kodim13.png").pixels[230:486, 100:484].astype(np.float32) / 255
         self.seen = np.ascontiguousarray(pixels.transpose(2, 0, 1))
-        into = to_luma_space(3).astype(np.float32) if luma_space else np.eye(3, dtype=np.float32)
-        self.unit = np.ascontiguousarray(np.tensordot(into, self.seen, axes=1))
+        self.spec = replace(default_spec(3), luma_space=luma_space)
+        self.unit = np.tensordot(to_channels(self.spec).astype(np.float32), self.seen, axes=1)
         self.base = np.broadcast_to(self.unit.mean(axis=(1, 2), keepdims=True), self.unit.shape)
-        self.back = from_luma_space(3) if luma_space else np.eye(3)
         self.offsets = Masking(TUNING, self.seen).offsets(TUNING.steps(step, 3))
         self.search = TextureSearch(self.unit - self.base, ONE_THREAD)
-        self.luma_space, self.empty = luma_space, empty
+        self.empty = empty
         self.blocks: TextureSymbols | None = None  # of the last layer
 
     def found(self, blocks: TextureSymbols | None = None) -> TextureSymbols:
@@ -53,7 +55,7 @@ class Case:
 
     def ascend(self, passes: int) -> list[float]:
         """Returns the scores of the layers."""
-        ascent = ScoreAscent(self.unit, Screen(self.luma_space), self.empty, ONE_THREAD, passes)
+        ascent = ScoreAscent(self.unit, Screen(self.spec), self.empty, ONE_THREAD, passes)
         layer, scores = None, []
         for _ in range(passes):
             layer = self.found(layer)
@@ -62,8 +64,9 @@ class Case:
         return scores
 
     def decoded(self) -> NDArray[np.float32]:
-        seen: NDArray[np.float32] = np.tensordot(self.back, self.base + self.found(self.blocks).layer().draw(), axes=1)
-        return seen.astype(np.float32)
+        shown = self.base + self.found(self.blocks).layer().draw()
+        seen: NDArray[np.float32] = np.tensordot(to_samples(self.spec), shown, axes=1).astype(np.float32)
+        return seen
 
     def score(self) -> float:
         return VisualReference(self.seen, ONE_THREAD).score(self.decoded())
@@ -117,17 +120,18 @@ def test_scores_are_those_of_what_is_decoded(luma_space: bool) -> None:
 @pytest.mark.parametrize("channels", [1, 2, 4])
 def test_other_channels_than_three(channels: int) -> None:
     seen = Case().seen
-    unit = np.ascontiguousarray(np.concatenate([seen, seen[:1]])[:channels])
-    search = TextureSearch(unit - 0.5, ONE_THREAD)
+    unit, spec = np.ascontiguousarray(np.concatenate([seen, seen[:1]])[:channels]), default_spec(channels)
+    into, back = (matrix(spec).astype(np.float32) for matrix in (to_channels, to_samples))
+    search = TextureSearch(np.tensordot(into, unit - 0.5, axes=1), ONE_THREAD)
     steps = TUNING.steps(STEP, channels)
 
     def score() -> float:
         layer = search.at(steps, TUNING.squared_steps)
         assert layer is not None
-        return VisualReference(unit, ONE_THREAD).score(0.5 + layer.layer().draw())
+        return VisualReference(unit, ONE_THREAD).score(0.5 + np.tensordot(back, layer.layer().draw(), axes=1))
 
     before = score()
-    ascent, layer = ScoreAscent(unit, Screen(), None, ONE_THREAD, passes=2), None
+    ascent, layer = ScoreAscent(np.tensordot(into, unit, axes=1), Screen(spec), None, ONE_THREAD, passes=2), None
     for _ in range(2):
         layer = search.at(steps, TUNING.squared_steps, None, layer)
         assert layer is not None
