@@ -22,7 +22,7 @@ constexpr int64_t kMaxPairs = 1 << 24;  // (tile, Gaussian) pairs of a block; a 
 constexpr int64_t kWholeSamples = 1 << 18;
 // What is restored is drawn in bands: large ones draw less of their margins twice, small ones stay in the cache and in
 // memory that is there. An eighth of a view within these limits, and more where many threads share it.
-constexpr int64_t kMinBand = 1 << 18, kMaxBand = 1 << 20, kBandOfThread = 1 << 17;
+constexpr int64_t kMinBand = 1 << 19, kMaxBand = 1 << 21, kBandOfThread = 1 << 17;
 constexpr float kCutoff = 3.5f;
 constexpr double kFinePixels = 1 << 20;  // of a float's whole numbers, with 1/16 of a pixel between
 
