@@ -132,7 +132,7 @@ auto read_texture(SymbolReader &reader, Size size, int channels) {
   require_size(size);
   require(channels >= 1 && channels <= sgi::kMaxChannels, "1 to 64 channels");
   auto texture = sgi::read_texture_part(reader, size.first, size.second, channels);
-  return texture ? std::optional(sgi::texture_arrays(std::move(*texture))) : std::nullopt;
+  return texture ? std::optional(sgi::texture_arrays(texture->indices, std::move(texture->field))) : std::nullopt;
 }
 
 double bits_of(const SymbolReader &reader) { return std::accumulate(reader.bits().begin(), reader.bits().end(), 0.0); }

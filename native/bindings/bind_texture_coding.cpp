@@ -110,16 +110,14 @@ class TextureModels {
   TextureModels() : models_(sgi::fresh_texture_models()) {}
   explicit TextureModels(BitModels models) : models_(std::move(models)) {}
   explicit TextureModels(nb::bytes state) : TextureModels() {
-    require(models_.set_state(reinterpret_cast<const uint8_t *>(state.data()), int64_t(state.size())),
+    require(models_.start(reinterpret_cast<const uint8_t *>(state.data()), int64_t(state.size())),
             "these are not texture models");
   }
 
-  nb::bytes state() const {
-    const std::vector<uint8_t> bytes = models_.state();
-    return nb::bytes(reinterpret_cast<const char *>(bytes.data()), bytes.size());
+  auto logits() const {
+    const std::vector<uint32_t> &all = models_.logits();
+    return as_array<int32_t>(std::vector<int32_t>(all.begin(), all.end()), std::array{all.size()});
   }
-
-  void settle(int most) { models_.settle(most); }
 
   void learn(LogSizes log_size, Contrasts contrast, SymbolPlanes symbols, Size size, bool has_contrast) {
     const TextureField field = field_of(log_size, contrast, symbols);
@@ -213,7 +211,8 @@ auto texture_cells(LogSizes log_size, Contrasts contrast, SymbolPlanes symbols, 
   const sgi::TextureColours mixed = colours_of(colours, steps.size());
   TextureField field = field_of(log_size, contrast, symbols);
   field.find_extents();
-  sgi::TextureCells cells = sgi::texture_cells(field, steps_of(steps, slope), excess.data(), mixed, 1);
+  sgi::TextureCells cells =
+      sgi::texture_cells(field, {steps_of(steps, slope), excess, mixed, int64_t(field.symbols.size())});
   const size_t count = cells.log_size.size(), values = size_t(cells.amplitude_count);
   float *amplitudes = cells.amplitudes.get();
   std::vector<uint8_t> waves;
@@ -233,8 +232,7 @@ void bind_texture_coding(nb::module_ &m) {
       .def_static(
           "shipped", [] { return TextureModels(sgi::shipped_texture_models()); },
           "Those with which every layer begins.")
-      .def("state", &TextureModels::state)
-      .def("settle", &TextureModels::settle, "most"_a)
+      .def("logits", &TextureModels::logits, "What each context says, in 2^-16.")
       .def("learn", &TextureModels::learn, "log_size"_a, "contrast"_a, "symbols"_a, "size"_a, "has_contrast"_a)
       .def("write", &TextureModels::write, "log_size"_a, "contrast"_a, "symbols"_a, "size"_a, "has_contrast"_a,
            "Bits, their P(1) in 2^-16, all symbols in coding order, information content.")

@@ -115,7 +115,7 @@ auto load_prior(const nb::bytes &header) {
 
 auto texture_of(const ReadTile &tile) {
   const auto &texture = tile.model.coding.texture;
-  return texture ? std::optional(sgi::texture_arrays(*texture)) : std::nullopt;
+  return texture ? std::optional(sgi::texture_arrays(texture->indices, texture->field)) : std::nullopt;
 }
 
 auto restoration_of(const ReadTile &tile) {

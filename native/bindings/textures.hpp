@@ -24,12 +24,11 @@ inline auto field_arrays(TextureField field) {
 }
 
 // Its steps as indices of the stream, in the order of TextureSteps in Python, and these.
-inline auto texture_arrays(CodedTexture texture) {
-  const TextureIndices &of = texture.indices;
+inline auto texture_arrays(const TextureIndices &of, TextureField field) {
   const auto [one, two, more] = of.excess;
   std::tuple steps(of.step, of.ratios, std::pair(of.slopes[0], of.slopes[1]), std::tuple(one, two, more),
                    of.has_contrast, std::tuple(of.colours.shares[0], of.colours.shares[1], of.colours.turn));
-  return std::tuple_cat(std::tuple<decltype(steps)>(std::move(steps)), field_arrays(std::move(texture.field)));
+  return std::tuple_cat(std::tuple<decltype(steps)>(std::move(steps)), field_arrays(std::move(field)));
 }
 
 }  // namespace sgi

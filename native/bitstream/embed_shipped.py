@@ -73,7 +73,7 @@ def source() -> str:
 
     add("tables", "", {0: (BITSTREAM / "entropy" / "tables.bin").read_bytes()}, 4)
     add("prior", "", {0: numbered("prior")[3]}, 2)
-    add("texture", "", {0: zlib.decompress(numbered("texture")[2])})
+    add("texture", "", {0: zlib.decompress(numbered("texture")[3])})
     add("restoration", "int number", numbered("restoration"))
     return "\n".join([HEAD, *arrays, "}  // namespace\n", *functions, "}  // namespace sgi\n"])
 

@@ -1,12 +1,12 @@
-// Adaptive models of the bits of a residual layer, four mixed for each bit (docs/format.md, "Residual layer"). The same
-// arithmetic as for texture (bitstream/texture_models.hpp), with one set of weights, which learn faster. All integers.
+// Adaptive models of the bits of a residual layer, four mixed for each bit (docs/format.md, "Residual layer"). Models
+// learn, and so do the weights that mix them. All integers.
 #pragma once
 #include <algorithm>
 #include <array>
 #include <cstdint>
 #include <vector>
 
-#include "bitstream/texture_models.hpp"
+#include "bitstream/bit_model.hpp"
 
 namespace sgi {
 
@@ -36,8 +36,7 @@ class MixedModels {
       logit[i] = kBitTables.logit[models[context.model[i]].probability >> 4];
       sum += int64_t(weights[i]) * logit[i];
     }
-    const auto mixed = int32_t(std::clamp<int64_t>(sum >> 16, -kLogisticHalf, kLogisticHalf - 1));
-    const int32_t one = kBitTables.logistic[mixed + kLogisticHalf];
+    const int32_t one = probability_of(int32_t(sum >> 16));
     if (!bits.code(one, bit)) return false;
     const int32_t error = bit * kCertain - one;
     for (size_t i = 0; i < kMixed; ++i)
@@ -48,6 +47,7 @@ class MixedModels {
 
  private:
   static constexpr int kLearningShift = 15;
+  static constexpr int kWeightLimit = 1 << 20;  // either way
   using Weights = std::array<int32_t, kMixed>;  // in 2^-16
 
   std::vector<BitModel> models_;

@@ -3,9 +3,9 @@
 #include <cstdint>
 #include <vector>
 
+#include "bitstream/bit_model.hpp"
 #include "bitstream/header.hpp"
 #include "bitstream/texture_bits.hpp"
-#include "bitstream/texture_models.hpp"
 
 namespace sgi {
 

@@ -1,5 +1,6 @@
 // A texture layer's cells and amplitudes, as what draws takes them.
 #pragma once
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -7,6 +8,7 @@
 #include "bitstream/texture_field.hpp"
 #include "model/texture.hpp"
 #include "model/texture_colours.hpp"
+#include "model/texture_quantizer.hpp"
 #include "model/texture_steps.hpp"
 
 namespace sgi {
@@ -15,13 +17,47 @@ struct TextureCells {
   std::vector<int32_t> corner;          // [N, 2]
   std::vector<uint8_t> log_size;        // [N]
   std::unique_ptr<float[]> amplitudes;  // of each cell [C, n, n]
-  int64_t amplitude_count;
+  int64_t amplitude_count = 0;
   std::vector<Waves> waves;  // [N, C]
 };
 
-// Cells in coding order, of a field with extents. excess: what is added to the magnitude of symbols ±1, ±2, and all
-// larger ones.
-TextureCells texture_cells(const TextureField &field, const TextureSteps &steps, const float *excess,
-                           const TextureColours &colours, int threads);
+// Finds amplitudes as cells are read, in coding order.
+class TextureDequantizer {
+ public:
+  // excess: what is added to the magnitude of symbols +-1, +-2, and all larger ones; samples: of all roots, C times.
+  TextureDequantizer(const TextureSteps &steps, const std::array<float, 3> &excess, const TextureColours &colours,
+                     int64_t samples);
+
+  // Begins a cell, in a root of this contrast.
+  void begin(const TextureCell &cell, int contrast);
+  // Its next channel. values: symbols, `stride` from one row to the next, none of them behind diagonal `last`.
+  void channel(const int16_t *values, int64_t stride, int last);
+  // Ends it, behind its last channel.
+  void end();
+
+  TextureCells found;
+
+ private:
+  // Of symbols up to kSmall either way, by quantiser; contrast: of which they are, none at first.
+  static constexpr int kSmall = 15;
+  struct Values {
+    int contrast = INT32_MIN;
+    float of[2][2 * kSmall + 1];
+  };
+
+  const Values &values_of(int channel);
+  float value_of(int symbol, QuantizerState state, float step) const;
+
+  const TextureSteps steps_;
+  const std::array<float, 4> excess_;
+  const bool mixed_;
+  const std::array<double, 9> mix_;
+  std::vector<Values> values_;  // [C]
+  int log_ = 0, contrast_ = 0, channel_ = 0;
+  float *first_ = nullptr;  // amplitude of the cell
+};
+
+// All cells of a field with extents.
+TextureCells texture_cells(const TextureField &field, TextureDequantizer dequantizer);
 
 }  // namespace sgi

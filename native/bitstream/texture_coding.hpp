@@ -75,9 +75,9 @@ class TextureCoding {
 
  private:
   int bit(const BitContext &context, int value) {
-    const Prediction prediction = models_.predict(context);
-    sound_ = sound_ && bits_.code(prediction.one, value);
-    models_.update(context, prediction, value);
+    const int32_t one = models_.predict(context);
+    sound_ = sound_ && bits_.code(one, value);
+    models_.update(context, one, value);
     return value;
   }
 

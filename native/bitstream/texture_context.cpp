@@ -16,7 +16,7 @@ constexpr int kSide = 1 << kTextureRoot, kMaxSum = 1 << 14;
 }  // namespace
 
 // Those of symbols of the odd quantiser follow all others, in the order of those of the even one.
-BitModels fresh_texture_models() { return {kModels + kExtentModels, kSets + kExtentWeights}; }
+BitModels fresh_texture_models() { return BitModels(kContexts + kExtentContexts); }
 
 BitContext cell_context(const TextureField &field, const TextureCell &cell, CellBit bit) {
   const int64_t middle = cell.side() / 2;
@@ -25,14 +25,11 @@ BitContext cell_context(const TextureField &field, const TextureCell &cell, Cell
   };
   const uint32_t left = log_at(cell.x - 1, cell.y + middle), top = log_at(cell.x + middle, cell.y - 1);
   const uint32_t kind = (bit == CellBit::kSplit ? kSizes : 0) + uint32_t(cell.log - kTextureLeast);
-  const uint32_t first = kCellModels + kind * (kLogs * kLogs + 1);
-  return {
-      {first + left * kLogs + top, first + kLogs * kLogs}, {kCellWeights + kind, kCellWeights + 2 * kSizes + kind}, 2};
+  const uint32_t first = kCellContexts + kind * (kLogs * kLogs + 1);
+  return {{first + left * kLogs + top, first + kLogs * kLogs}, 2, kFast};
 }
 
-BitContext contrast_context(int bit) {
-  return {{kContrastModels + uint32_t(bit)}, {kContrastWeights, kContrastWeights + 1}, 1};
-}
+BitContext contrast_context(int bit) { return {{kContrastContexts + uint32_t(bit)}, 1, kFast}; }
 
 ExtentContext::ExtentContext(const TextureField &field, const TextureCell &cell, int channel) {
   const int64_t middle = cell.side() / 2;
@@ -48,10 +45,8 @@ ExtentContext::ExtentContext(const TextureField &field, const TextureCell &cell,
 }
 
 BitContext ExtentContext::at(int node) const {
-  const uint32_t first = kExtentModels + kind_ * (2 * kExtents + 1) * kNodes + uint32_t(node);
-  return {{first + around_ * kNodes, first + (kExtents + beside_) * kNodes, first + 2 * kExtents * kNodes},
-          {kExtentWeights + kind_, kExtentWeights + kKinds * kSizes + kind_},
-          3};
+  const uint32_t first = kExtentContexts + kind_ * (2 * kExtents + 1) * kNodes + uint32_t(node);
+  return {{first + around_ * kNodes, first + (kExtents + beside_) * kNodes, first + 2 * kExtents * kNodes}, 3, kFast};
 }
 
 SymbolContext::SymbolContext(const TextureField &field, const TextureCell &cell, int channel, int last)

@@ -14,7 +14,7 @@ constexpr int kMagnitudeBits = 8;  // a magnitude is coded as up to eight bits "
 constexpr int kRestDigits = 13;    // of the rest + 1, behind the first
 static_assert(kTextureMost == kMagnitudeBits + (2 << kRestDigits) - 2);
 
-// How the numbers of models and of sets of weights are made.
+// How the numbers of contexts are made.
 namespace texture_models {
 
 constexpr uint32_t kKinds = 3;  // of channels: the first, the second, all others
@@ -23,23 +23,18 @@ constexpr uint32_t kAheads = 8, kNexts = 4;   // binary digits of a distance to 
 constexpr uint32_t kPlaces = 64 + 256 + 256;  // of frequencies of all sizes; those of 32 in pairs
 constexpr uint32_t kSizes = kTextureSizes;
 
-// Where the models of each context begin.
-constexpr uint32_t kPlaceModels = 0;
-constexpr uint32_t kAroundModels = kPlaceModels + kKinds * kPlaces * kMagnitudeBits;
-constexpr uint32_t kRestModels = kAroundModels + kKinds * kLevelsOf * kLevelsOf * kMagnitudeBits;
-constexpr uint32_t kTotalModels = kRestModels + kKinds * kZones * kNexts * kAheads * kMagnitudeBits;
-constexpr uint32_t kExtentModels = kTotalModels + kKinds * kSizes * kLevelsOf * kZones * kMagnitudeBits;
-constexpr uint32_t kCellModels = kExtentModels + kKinds * kSizes * (2 * kExtents + 1) * kNodes;
-constexpr uint32_t kLogs = kTextureRoot + 2;  // of what lies around a cell: none, of a size, or nothing known
-constexpr uint32_t kContrastModels = kCellModels + 2 * kSizes * (kLogs * kLogs + 1);
-constexpr uint32_t kModels = kContrastModels + kContrastLimit * 2 + 2;
+constexpr int kSlow = 6, kFast = 4;  // rates of magnitudes, of which there are many, and of all other bits
 
-constexpr uint32_t kSizeWeights = 0;
-constexpr uint32_t kLevelWeights = kSizeWeights + kKinds * kSizes * kAheads * kMagnitudeBits;
-constexpr uint32_t kExtentWeights = kLevelWeights + kKinds * kLevelsOf * kMagnitudeBits;
-constexpr uint32_t kCellWeights = kExtentWeights + 2 * kKinds * kSizes;
-constexpr uint32_t kContrastWeights = kCellWeights + 4 * kSizes;
-constexpr uint32_t kSets = kContrastWeights + 2;
+// Where the contexts of each kind begin.
+constexpr uint32_t kPlaceContexts = 0;
+constexpr uint32_t kAroundContexts = kPlaceContexts + kKinds * kPlaces * kMagnitudeBits;
+constexpr uint32_t kRestContexts = kAroundContexts + kKinds * kLevelsOf * kLevelsOf * kMagnitudeBits;
+constexpr uint32_t kTotalContexts = kRestContexts + kKinds * kZones * kNexts * kAheads * kMagnitudeBits;
+constexpr uint32_t kExtentContexts = kTotalContexts + kKinds * kSizes * kLevelsOf * kZones * kMagnitudeBits;
+constexpr uint32_t kCellContexts = kExtentContexts + kKinds * kSizes * (2 * kExtents + 1) * kNodes;
+constexpr uint32_t kLogs = kTextureRoot + 2;  // of what lies around a cell: none, of a size, or nothing known
+constexpr uint32_t kContrastContexts = kCellContexts + 2 * kSizes * (kLogs * kLogs + 1);
+constexpr uint32_t kContexts = kContrastContexts + kContrastLimit * 2 + 2;
 
 inline int bits_of(int value) { return value > 0 ? 32 - __builtin_clz(unsigned(value)) : 0; }
 
@@ -67,7 +62,7 @@ inline uint32_t level(int sum) { return kLevelTable.of[std::min(sum, kTopLevel)]
 
 }  // namespace texture_models
 
-// Models and weights of all bits of texture, none of them seen yet.
+// Models of all bits of texture, which say nothing yet.
 BitModels fresh_texture_models();
 
 // The bit "has texture", and "is split", of a quadtree node.
@@ -126,10 +121,9 @@ class SymbolPlace {
   friend class SymbolContext;
 
   bool has_before_;
-  int outside_;                             // what its neighbours outside the block weigh
-  uint32_t far_;                            // how many binary digits its distance from the last diagonal has
-  std::array<uint32_t, kMaxMixed> models_;  // of no symbols near it
-  std::array<uint32_t, 2> weights_;
+  int outside_;                                  // what its neighbours outside the block weigh
+  uint32_t far_;                                 // how many binary digits its distance from the last diagonal has
+  std::array<uint32_t, kMaxContexts> contexts_;  // of no symbols near it
 };
 
 // The bits of a channel's symbols.
@@ -142,8 +136,7 @@ class SymbolContext {
   BitContext at(const NearMagnitudes &near, const Frequency &at, QuantizerState state) const;
   // Of a later bit.
   static BitContext later(BitContext first, int bit) {
-    for (auto &model : first.model) model += uint32_t(bit);
-    for (auto &weights : first.weights) weights += uint32_t(bit);
+    for (auto &number : first.number) number += uint32_t(bit);
     return first;
   }
 
@@ -171,12 +164,10 @@ inline SymbolPlace SymbolContext::place(const Frequency &at) const {
   found.has_before_ = kind_ > 0;
   found.outside_ = 2 * (around_[index] + (kind_ ? before_[index] : 0));
   found.far_ = uint32_t(bits_of(last_ - at.diagonal()));
-  found.models_ = {kPlaceModels + (kind * kPlaces + place) * kMagnitudeBits,
-                   kAroundModels + (kind * kLevelsOf + level(around_[index])) * kLevelsOf * kMagnitudeBits,
-                   kRestModels + (kind * kZones + zone_of(last_)) * kNexts * kAheads * kMagnitudeBits,
-                   kTotalModels + (sized * kLevelsOf * kZones + zone) * kMagnitudeBits};
-  found.weights_ = {kSizeWeights + (sized * kAheads + found.far_) * kMagnitudeBits,
-                    kLevelWeights + kind * kLevelsOf * kMagnitudeBits};
+  found.contexts_ = {kPlaceContexts + (kind * kPlaces + place) * kMagnitudeBits,
+                     kAroundContexts + (kind * kLevelsOf + level(around_[index])) * kLevelsOf * kMagnitudeBits,
+                     kRestContexts + (kind * kZones + zone_of(last_)) * kNexts * kAheads * kMagnitudeBits,
+                     kTotalContexts + (sized * kLevelsOf * kZones + zone) * kMagnitudeBits};
   return found;
 }
 
@@ -185,11 +176,11 @@ inline BitContext SymbolPlace::at(const NearMagnitudes &near, QuantizerState sta
   const int total = 3 * near.inside + outside_;
   const uint32_t sum = level(has_before_ ? total * 3 / 4 : total);
   const uint32_t rest = kAheads * std::min(kNexts - 1, uint32_t(near.next)) + far_;
-  const uint32_t models = state.odd() ? kModels : 0, weights = state.odd() ? kSets : 0;
-  return {{models + models_[0], models + models_[1] + level(near.inside) * kMagnitudeBits,
-           models + models_[2] + rest * kMagnitudeBits, models + models_[3] + sum * kZones * kMagnitudeBits},
-          {weights + weights_[0], weights + weights_[1] + sum * kMagnitudeBits},
-          4};
+  const uint32_t first = state.odd() ? kContexts : 0;
+  return {{first + contexts_[0], first + contexts_[1] + level(near.inside) * kMagnitudeBits,
+           first + contexts_[2] + rest * kMagnitudeBits, first + contexts_[3] + sum * kZones * kMagnitudeBits},
+          4,
+          kSlow};
 }
 
 inline BitContext SymbolContext::at(const NearMagnitudes &near, const Frequency &at, QuantizerState state) const {

@@ -18,12 +18,12 @@ constexpr int kModelsBits = 4, kStepBits = 9, kRatioBits = 5, kSlopeBits = 5, kE
               kTurnBits = 4;
 constexpr int kStepOfOne = 480, kSameStep = 16, kNoExcess = 8;
 // What a layer says about its colours.
-constexpr int kOpponent = 2, kColoured = 3;
+constexpr int kPlain = 2, kColoured = 3;
 
 BitModels shipped_models() {
   BitModels models = fresh_texture_models();
   const Bytes state = shipped_texture();
-  if (!models.set_state(state.data, int64_t(state.size))) throw std::logic_error("texture models of another size");
+  if (!models.start(state.data, int64_t(state.size))) throw std::logic_error("texture models of another size");
   return models;
 }
 
@@ -60,10 +60,6 @@ std::array<float, 3> TextureIndices::added() const {
   return added;
 }
 
-TextureCells CodedTexture::cells(int threads) const {
-  return texture_cells(field, indices.steps(), indices.added().data(), indices.colours, threads);
-}
-
 const BitModels &shipped_texture_models() {
   static const BitModels models = shipped_models();
   return models;
@@ -74,7 +70,7 @@ std::optional<CodedTexture> read_texture_part(SymbolReader &reader, int64_t widt
   if (!reader.number(1)) return std::nullopt;
   check_texture(channels, width, height, memory);
   const int models = reader.number(kModelsBits);
-  if (models != kOpponent && models != kColoured)
+  if (models != kPlain && models != kColoured)
     throw Error(Fault::unsupported, "texture: models " + std::to_string(models) + "; this program has models 2 and 3");
   TextureIndices indices = read_indices(reader, channels);
   if (models == kColoured) {
@@ -82,10 +78,11 @@ std::optional<CodedTexture> read_texture_part(SymbolReader &reader, int64_t widt
     indices.colours = read_colours(reader);
   }
   const double before = reader.decoder().content();
-  TextureField field = read_texture(shipped_texture_models(), reader, empty_field(width, height, channels), width,
-                                    height, indices.has_contrast);
+  TextureField field = empty_field(width, height, channels);
+  TextureDequantizer cells(indices.steps(), indices.added(), indices.colours, int64_t(field.symbols.size()));
+  read_texture(shipped_texture_models(), reader, width, height, indices.has_contrast, field, cells);
   reader.book(Part::texture, reader.decoder().content() - before);
-  return CodedTexture{std::move(indices), std::move(field)};
+  return CodedTexture{std::move(indices), std::move(field), std::move(cells.found)};
 }
 
 }  // namespace sgi

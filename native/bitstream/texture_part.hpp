@@ -28,8 +28,7 @@ struct TextureIndices {
 struct CodedTexture {
   TextureIndices indices;
   TextureField field;
-
-  TextureCells cells(int threads) const;
+  TextureCells cells;
 };
 
 // The state of the adaptive models with which a layer begins.

@@ -9,13 +9,14 @@ namespace sgi {
 
 namespace {
 
-// Codes a layer node by node; `given` is the layer when writing, null when reading.
+// Codes a layer node by node; `given` is the layer when writing, null when reading. cells: gets what is coded, null for
+// nobody.
 template <class Bits>
 class LayerCoding {
  public:
-  LayerCoding(BitModels &models, TextureField &field, Bits &bits, const TextureField *given, int64_t width,
-              int64_t height, bool has_contrast)
-      : coding(models, field, bits), field_(field), given_(given), width_(width), height_(height),
+  LayerCoding(BitModels &models, TextureField &field, Bits &bits, const TextureField *given, TextureDequantizer *cells,
+              int64_t width, int64_t height, bool has_contrast)
+      : coding(models, field, bits), field_(field), given_(given), cells_(cells), width_(width), height_(height),
         has_contrast_(has_contrast) {}
 
   void root(const TextureCell &cell) {
@@ -61,6 +62,7 @@ class LayerCoding {
     field_.mark(cell, cell.log);
     const int side = cell.side();
     bool any = false;
+    if (cells_) cells_->begin(cell, field_.contrast[field_.root(cell.x, cell.y)]);
     for (int channel = 0; channel < field_.channels; ++channel) {
       std::fill_n(values_.begin(), side * side, int16_t(0));
       if (given_)
@@ -69,13 +71,16 @@ class LayerCoding {
       const int last =
           coding.block(cell, channel, given_ ? last_diagonal(values_.data(), side, cell.log) : -1, values_);
       field_.add(cell, channel, values_.data(), last);
+      if (cells_) cells_->channel(values_.data(), side, last);
       any = any || last >= 0;
     }
+    if (cells_) cells_->end();
     leaves_ += any;
   }
 
   TextureField &field_;
   const TextureField *given_;
+  TextureDequantizer *cells_;
   int64_t width_, height_;
   bool has_contrast_, is_void_ = false;
   int64_t leaves_ = 0;
@@ -92,7 +97,7 @@ TextureBits write_texture(BitModels &models, const TextureField &field, int64_t 
                           bool has_contrast) {
   TextureBits written;
   TextureField coded = empty_field(width, height, field.channels);
-  LayerCoding<BitRecorder> layer(models, coded, written.bits, &field, width, height, has_contrast);
+  LayerCoding<BitRecorder> layer(models, coded, written.bits, &field, nullptr, width, height, has_contrast);
   each_root(width, height, [&](const TextureCell &cell) {
     if (layer.sound()) layer.root(cell);
   });
@@ -102,10 +107,10 @@ TextureBits write_texture(BitModels &models, const TextureField &field, int64_t 
   return written;
 }
 
-TextureField read_texture(BitModels models, SymbolReader &reader, TextureField field, int64_t width, int64_t height,
-                          bool has_contrast) {
+void read_texture(BitModels models, SymbolReader &reader, int64_t width, int64_t height, bool has_contrast,
+                  TextureField &field, TextureDequantizer &cells) {
   BitReader bits(reader.decoder());
-  LayerCoding<BitReader> layer(models, field, bits, nullptr, width, height, has_contrast);
+  LayerCoding<BitReader> layer(models, field, bits, nullptr, &cells, width, height, has_contrast);
   std::vector<int32_t> &symbols = layer.coding.symbols;
   each_root(width, height, [&](const TextureCell &cell) {
     if (layer.sound()) layer.root(cell);
@@ -114,7 +119,6 @@ TextureField read_texture(BitModels models, SymbolReader &reader, TextureField f
   });
   if (!layer.sound() || !layer.any())
     throw Error(Fault::corrupt, "texture: the payload does not decode; it is damaged");
-  return field;
 }
 
 }  // namespace sgi

@@ -2,6 +2,7 @@
 #pragma once
 #include "bitstream/symbol_reader.hpp"
 #include "bitstream/texture_bits.hpp"
+#include "bitstream/texture_cells.hpp"
 #include "bitstream/texture_coding.hpp"
 
 namespace sgi {
@@ -19,10 +20,10 @@ TextureBits write_texture(BitModels &models, const TextureField &field, int64_t 
 // The layer of a tile before anything is read or found.
 TextureField empty_field(int64_t width, int64_t height, int channels);
 
-// Reads a layer into an empty one. Throws Error (corrupt) where the payload does not decode or spells with more than it
-// takes.
-TextureField read_texture(BitModels models, SymbolReader &reader, TextureField field, int64_t width, int64_t height,
-                          bool has_contrast);
+// Reads a layer into an empty one, and its amplitudes. Throws Error (corrupt) where the payload does not decode or
+// spells with more than it takes.
+void read_texture(BitModels models, SymbolReader &reader, int64_t width, int64_t height, bool has_contrast,
+                  TextureField &field, TextureDequantizer &cells);
 
 // Roots that cover a side of so many pixels.
 inline int64_t texture_roots(int64_t side) { return (side + (1 << kTextureRoot) - 1) >> kTextureRoot; }

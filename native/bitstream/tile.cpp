@@ -140,11 +140,6 @@ class TileReader {
 
 }  // namespace
 
-std::optional<TextureCells> TileModel::texture(int threads) const {
-  if (!coding.texture) return std::nullopt;
-  return coding.texture->cells(threads);
-}
-
 TileModel read_tile(const Header &header, Bytes payload, int threads, Isa isa, bool checked, int64_t memory) {
   check_model(header.spec, header.width, header.height);
   return TileReader(header, payload, threads, isa, memory).read(checked);

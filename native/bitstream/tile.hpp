@@ -47,8 +47,6 @@ struct TileModel {
   uint32_t symbol_crc = 0;            // CRC-32 of all symbols: equal on every machine
 
   int64_t seeds() const { return int64_t(log_size.size()); }
-  // The texture layer as it is rendered.
-  std::optional<TextureCells> texture(int threads) const;
 };
 
 // The model of a payload; `header` is the tile's own (Header::of_tile). Throws Error: corrupt where the symbols are not

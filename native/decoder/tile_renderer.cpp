@@ -22,7 +22,7 @@ constexpr int64_t kMaxPairs = 1 << 24;  // (tile, Gaussian) pairs of a block; a 
 constexpr int64_t kWholeSamples = 1 << 18;
 // What is restored is drawn in bands: large ones draw less of their margins twice, small ones stay in the cache and in
 // memory that is there. An eighth of a view within these limits, and more where many threads share it.
-constexpr int64_t kMinBand = 1 << 19, kMaxBand = 1 << 21, kBandOfThread = 1 << 17;
+constexpr int64_t kMinBand = 1 << 19, kMaxBand = 1 << 19, kBandOfThread = 1 << 17;
 constexpr float kCutoff = 3.5f;
 constexpr double kFinePixels = 1 << 20;  // of a float's whole numbers, with 1/16 of a pixel between
 
@@ -76,7 +76,7 @@ TileRenderer::TileRenderer(const Header &header, Bytes payload, int threads, con
   take(read_tile(header_, chunk.model, threads, settings.isa, settings.checked, settings.tile_memory), threads);
 }
 
-void TileRenderer::take(const TileModel &model, int threads) {
+void TileRenderer::take(TileModel model, int threads) {
   const ModelSpec &spec = header_.spec;
   facts_.seeds = model.seeds();
   facts_.bits = model.bits;
@@ -86,8 +86,8 @@ void TileRenderer::take(const TileModel &model, int threads) {
   if (const RestorationChoice &choice = model.restoration; choice.network)
     restoration_.emplace(restoration_network(choice.network, header_.own_network), choice.step, spec.channels,
                          header_.width, header_.height, settings_.isa);
-  texture_ = model.texture(threads);
-  if (!texture_) return;
+  if (!model.coding.texture) return;
+  texture_ = std::move(model.coding.texture->cells);
   for (const uint8_t log_size : texture_->log_size) ++facts_.texture_cells[log_size - kTextureLeast];
 }
 

@@ -86,7 +86,7 @@ class TileRenderer {
     KeptFloats drawn = {}, planes = {};
   };
 
-  void take(const TileModel &model, int threads);
+  void take(TileModel model, int threads);
   const Whole *whole(const PictureView &view, int threads);
   void draw_blocks(const PictureView &view, int64_t x, int64_t y, const PixelBlock &block, const SampleFormat &format,
                    int threads);

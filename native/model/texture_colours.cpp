@@ -22,14 +22,14 @@ std::array<double, 9> transposed(const std::array<double, 9> &matrix) {
   return {m[0], m[3], m[6], m[1], m[4], m[7], m[2], m[5], m[8]};
 }
 
-void mix_colours(const std::array<double, 9> &matrix, float *planes, int64_t count) {
+void mix_colours(const std::array<double, 9> &matrix, float *planes, int64_t plane, int64_t count) {
   std::array<float, 9> mix;
   for (size_t i = 0; i < mix.size(); ++i) mix[i] = float(matrix[i]);
   for (int64_t i = 0; i < count; ++i) {
-    const float first = planes[i], second = planes[count + i], third = planes[2 * count + i];
+    const float first = planes[i], second = planes[plane + i], third = planes[2 * plane + i];
     planes[i] = mix[0] * first + mix[1] * second + mix[2] * third;
-    planes[count + i] = mix[3] * first + mix[4] * second + mix[5] * third;
-    planes[2 * count + i] = mix[6] * first + mix[7] * second + mix[8] * third;
+    planes[plane + i] = mix[3] * first + mix[4] * second + mix[5] * third;
+    planes[2 * plane + i] = mix[6] * first + mix[7] * second + mix[8] * third;
   }
 }
 

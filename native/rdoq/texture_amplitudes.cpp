@@ -69,7 +69,7 @@ TextureAmplitudes::TextureAmplitudes(const float *planes, int channels_, int64_t
 std::vector<float> TextureAmplitudes::in_colours(const float *planes, const std::array<double, 9> &mix) const {
   if (colours_.same()) return {};
   std::vector<float> mixed(planes, planes + width * height * channels);
-  mix_colours(mix, mixed.data(), width * height);
+  mix_colours(mix, mixed.data(), width * height, width * height);
   return mixed;
 }
 

@@ -13,8 +13,8 @@ namespace sgi {
 
 class TextureAmplitudes {
  public:
-  // planes: [C, height, width] of the roots (multiples of 32) in opponent colours; tile_width, tile_height: of the part
-  // that is seen; colours: in which amplitudes are.
+  // planes: [C, height, width] of the roots (multiples of 32) in the tile's channels; tile_width, tile_height: of the
+  // part that is seen; colours: in which amplitudes are.
   TextureAmplitudes(const float *planes, int channels, int64_t tile_width, int64_t tile_height, int threads,
                     const TextureColours &colours);
 

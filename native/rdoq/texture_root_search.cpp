@@ -60,7 +60,7 @@ void TextureRootSearch::decide(const TextureCell &root, const BitModels &models,
 }
 
 float TextureRootSearch::cost(const BitContext &context, int bit) const {
-  return sought_.settings.lambda * bit_cost(models_->predict(context).one, bit);
+  return sought_.settings.lambda * bit_cost(models_->predict(context), bit);
 }
 
 // All channels of a cell with texture, put into the field.

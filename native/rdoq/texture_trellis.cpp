@@ -44,7 +44,7 @@ class MagnitudeBits {
  public:
   MagnitudeBits(const BitModels &models, const SymbolPlace &place, const NearMagnitudes &near, QuantizerState state)
       : context_(place.at(near, state)) {
-    ones_[0] = models.predict(context_).one;
+    ones_[0] = models.predict(context_);
     zero_ = bit_cost(ones_[0], 0);
     larger_[0] = 1;  // the sign
   }
@@ -54,7 +54,7 @@ class MagnitudeBits {
     const int last = std::min(magnitude, kMagnitudeBits);
     for (; known_ <= last; ++known_) {
       larger_[known_] = larger_[known_ - 1] + bit_cost(ones_[known_ - 1], 1);
-      if (known_ < kMagnitudeBits) ones_[known_] = models.predict(SymbolContext::later(context_, known_)).one;
+      if (known_ < kMagnitudeBits) ones_[known_] = models.predict(SymbolContext::later(context_, known_));
     }
     if (magnitude < kMagnitudeBits) return larger_[magnitude] + bit_cost(ones_[magnitude], 0);
     return larger_[last] + float(2 * std::ilogb(float(magnitude - kMagnitudeBits + 1)) + 1);
@@ -189,7 +189,7 @@ class Trellis {
 float extent_bits(const BitModels &models, const ExtentContext &context, int log, int value) {
   float sum = 0;
   for (int node = 1, place = log; place >= 0; --place) {
-    sum += bit_cost(models.predict(context.at(node)).one, value >> place & 1);
+    sum += bit_cost(models.predict(context.at(node)), value >> place & 1);
     node = 2 * node + (value >> place & 1);
   }
   return sum;

@@ -5,7 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 
-__all__ = ["Code", "MixedModels", "adapted"]
+__all__ = ["LOGIT", "Code", "MixedModels", "adapted"]
+
+LOGIT = [round(256 * math.log((2 * i + 1) / (8191 - 2 * i))) for i in range(4096)]
 
 Code = Callable[[int], int]
 """Gives the next bit, of P(1) in 2^-16."""
@@ -20,7 +22,7 @@ class MixedModels:
 
     def bit(self, code: Code, numbers: Sequence[int], set_: int) -> int:
         """A bit that four models predict."""
-        logits = [_logit(self.models.get(number, (32768, 0))[0] >> 4) for number in numbers]
+        logits = [LOGIT[self.models.get(number, (32768, 0))[0] >> 4] for number in numbers]
         weights = self.weights.setdefault(set_, [16384] * 4)
         total = sum(weight * logit for weight, logit in zip(weights, logits, strict=True)) >> 16
         one = _logistic(min(3071, max(-3072, total)))
@@ -44,10 +46,6 @@ class MixedModels:
 def adapted(p: int, seen: int, bit: int) -> tuple[int, int]:
     """A model after a bit."""
     return p + (((65535 * bit - p) * (655360 // (10 * seen + 16))) >> 16), min(seen + 1, 150)
-
-
-def _logit(index: int) -> int:
-    return round(256 * math.log((2 * index + 1) / (8191 - 2 * index)))
 
 
 def _logistic(x: int) -> int:

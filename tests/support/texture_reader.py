@@ -11,10 +11,9 @@ from reference_decoder import Bits
 
 __all__ = ["Cell", "TextureReader"]
 
-MODELS, SETS = 60812 + 50688, 992 + 960
+CONTEXTS = 60812 + 50688
 AFTER = [(0, 1), (3, 2), (5, 4), (6, 7), (1, 0), (2, 3), (4, 5), (7, 6)]
 """The state after an even and an odd symbol."""
-LOGIT = [round(256 * math.log((2 * i + 1) / (8191 - 2 * i))) for i in range(4096)]
 LOGISTIC = [min(max(round(65536 / (1 + math.exp(-x / 256))), 16), 65519) for x in range(-3072, 3072)]
 
 
@@ -67,29 +66,18 @@ class TextureReader:
 
     def begin(self) -> None:
         """Section "Start"."""
-        state = zlib.decompress(files("sgicodec.bitstream.parts").joinpath("texture2.bin").read_bytes())
-        models = MODELS
-        assert len(state) == 3 * models + 16 * SETS
-        self.probability = [
-            low | high << 8 for low, high in zip(state[:models], state[models : 2 * models], strict=True)
-        ]
-        self.seen = list(state[2 * models : 3 * models])
-        weights = [int.from_bytes(state[i : i + 4], "little", signed=True) for i in range(3 * models, len(state), 4)]
-        self.weights = [weights[4 * i : 4 * i + 4] for i in range(SETS)]
+        state = zlib.decompress(files("sgicodec.bitstream.parts").joinpath("texture3.bin").read_bytes())
+        assert len(state) == CONTEXTS
+        self.logit = [4096 * (byte - 256 * (byte >> 7)) for byte in state]
 
-    def mixed(self, models: list[int], sets: tuple[int, int], further: int = 0) -> int:
+    def adaptive(self, contexts: list[int], rate: int, further: int = 0) -> int:
         """A bit; `further` is added to all numbers."""
-        models, (a, b) = [model + further for model in models], (self.weights[i + further] for i in sets)
-        logits = [LOGIT[self.probability[model] >> 4] for model in models]
-        total = sum((a[i] + b[i]) * logit for i, logit in enumerate(logits))
-        one = LOGISTIC[min(max(total >> 17, -3072), 3071) + 3072]
+        contexts = [context + further for context in contexts]
+        total = _wrapped(sum(self.logit[context] for context in contexts))
+        one = LOGISTIC[min(max(total >> 8, -3072), 3071) + 3072]
         bit = self.bits.bit(one)
-        for i, (model, logit) in enumerate(zip(models, logits, strict=True)):
-            change = logit * (65536 * bit - one) >> 16
-            a[i], b[i] = (min(max(weight + change, -(2**20)), 2**20) for weight in (a[i], b[i]))
-            rate = 655360 // (10 * self.seen[model] + 16)
-            self.probability[model] += (65535 * bit - self.probability[model]) * rate >> 16
-            self.seen[model] = min(self.seen[model] + 1, 150)
+        for context in contexts:
+            self.logit[context] = _wrapped(self.logit[context] + ((65536 * bit - one + (1 << rate - 1)) >> rate))
         return bit
 
     def even(self) -> int:
@@ -106,7 +94,7 @@ class TextureReader:
 
         def flag(t: int) -> int:
             first = 60480 + 50 * t
-            return self.mixed([first + 7 * left + upper, first + 49], (978 + t, 984 + t))
+            return self.adaptive([first + 7 * left + upper, first + 49], 4)
 
         what = flag(z)
         if what and cell.side > 8:
@@ -127,7 +115,7 @@ class TextureReader:
 
     def read_contrast(self, root: Cell) -> None:
         def flag(number: int) -> int:
-            return self.mixed([60780 + number], (990, 991))
+            return self.adaptive([60780 + number], 4)
 
         difference = 0
         if flag(0):
@@ -161,9 +149,9 @@ class TextureReader:
         around = min(7, (left + upper + 3) // 4)
         beside = abs(left - upper) // 2 if channel == 0 else (self.reach(channel - 1, cell) + 1) // 2
         kind, node = 3 * min(channel, 2) + cell.side.bit_length() - 4, 1
-        models = [64 * around, 512 + 64 * min(7, beside), 1024]
+        contexts = [64 * around, 512 + 64 * min(7, beside), 1024]
         for _ in range(cell.side.bit_length()):
-            bit = self.mixed([50688 + 1088 * kind + model + node for model in models], (960 + kind, 969 + kind))
+            bit = self.adaptive([50688 + 1088 * kind + context + node for context in contexts], 4)
             node = 2 * node + bit
         return self.bits.note(node - 2 * cell.side)
 
@@ -175,18 +163,14 @@ class TextureReader:
         for diagonal in range(extent):
             for u in range(max(0, diagonal - side + 1), min(diagonal, side - 1) + 1):
                 v = diagonal - u
-                q[v][u] = self.symbol(self.context(cell, channel, extent, v, u), state % 2)
+                q[v][u] = self.symbol(self.contexts(cell, channel, extent, v, u), state % 2)
                 state = AFTER[state][q[v][u] % 2]
         if extent:
             assert any(q[extent - 1 - u][u] for u in range(side) if 0 <= extent - 1 - u < side)
 
-    def symbol(self, context: tuple[list[int], tuple[int, int]], odd: int) -> int:
-        models, sets = (
-            [model + 60812 * odd for model in context[0]],
-            (context[1][0] + 992 * odd, context[1][1] + 992 * odd),
-        )
+    def symbol(self, contexts: list[int], odd: int) -> int:
         magnitude = 0
-        while magnitude < 8 and self.mixed(models, sets, magnitude):
+        while magnitude < 8 and self.adaptive(contexts, 6, 60812 * odd + magnitude):
             magnitude += 1
         if magnitude == 8:
             digits = 0
@@ -199,7 +183,7 @@ class TextureReader:
             magnitude += rest - 1
         return self.bits.note(-magnitude if magnitude and self.even() else magnitude)
 
-    def context(self, cell: Cell, channel: int, extent: int, v: int, u: int) -> tuple[list[int], tuple[int, int]]:
+    def contexts(self, cell: Cell, channel: int, extent: int, v: int, u: int) -> list[int]:
         q, n = self.symbols[channel, cell], cell.side
         h, z = min(channel, 2), n.bit_length() - 4
         left, upper = (self.shown(leaf, channel, n, v, u) for leaf in self.neighbours(cell))
@@ -217,13 +201,12 @@ class TextureReader:
         zone = min(15, 8 * (u + v) // n)
         end, ahead = min(15, 8 * (extent - 1) // n), (extent - 1 - u - v).bit_length()
         place = {8: 8 * v + u, 16: 64 + 16 * v + u, 32: 320 + 16 * (v // 2) + u // 2}[n]
-        models = [
+        return [
             8 * (576 * h + place),
             13824 + 8 * (256 * h + 16 * level(outside) + level(inside)),
             19968 + 8 * (512 * h + 32 * end + 8 * min(3, following) + ahead),
             32256 + 8 * (256 * (3 * h + z) + 16 * level(total) + zone),
         ]
-        return models, (8 * (8 * (3 * h + z) + ahead), 576 + 8 * (16 * h + level(total)))
 
     def shown(self, leaf: Cell | None, channel: int, n: int, v: int, u: int) -> int:
         if leaf is None:
@@ -235,6 +218,11 @@ class TextureReader:
             return 8 * abs(q[v * other // n][u * other // n])
         k = other // n
         return 8 * sum(abs(q[k * v + i][k * u + j]) for i in range(k) for j in range(k)) // k**2
+
+
+def _wrapped(number: int) -> int:
+    """Modulo 2^32, as a signed number."""
+    return (number + 2**31) % 2**32 - 2**31
 
 
 def magnitude(q: list[list[int]], v: int, u: int) -> int:
