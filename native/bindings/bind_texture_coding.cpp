@@ -211,15 +211,18 @@ auto texture_cells(LogSizes log_size, Contrasts contrast, SymbolPlanes symbols, 
   const sgi::TextureColours mixed = colours_of(colours, steps.size());
   TextureField field = field_of(log_size, contrast, symbols);
   field.find_extents();
-  sgi::TextureCells cells =
-      sgi::texture_cells(field, {steps_of(steps, slope), excess, mixed, int64_t(field.symbols.size())});
-  const size_t count = cells.log_size.size(), values = size_t(cells.amplitude_count);
-  float *amplitudes = cells.amplitudes.get();
+  const sgi::TextureCells cells = sgi::texture_cells(field, {steps_of(steps, slope), excess, mixed});
+  const size_t count = cells.log_size.size();
+  std::vector<float> amplitudes;
+  amplitudes.reserve(size_t(cells.amplitude_count));
+  for (size_t i = 0; i < count; ++i)
+    amplitudes.insert(amplitudes.end(), cells.amplitudes[i],
+                      cells.amplitudes[i] + (steps.size() << 2 * cells.log_size[i]));
   std::vector<uint8_t> waves;
   for (const sgi::Waves &of : cells.waves) waves.insert(waves.end(), {of.down, of.across});
-  return std::tuple(as_array<int32_t>(std::move(cells.corner), std::array{count, size_t(2)}),
-                    as_array<uint8_t>(std::move(cells.log_size), std::array{count}),
-                    sgi::array_in<float>(std::move(cells.amplitudes), amplitudes, std::array{values}),
+  return std::tuple(as_array<int32_t>(cells.corner, std::array{count, size_t(2)}),
+                    as_array<uint8_t>(cells.log_size, std::array{count}),
+                    as_array<float>(std::move(amplitudes), std::array{size_t(cells.amplitude_count)}),
                     as_array<uint8_t>(std::move(waves), std::array{count, steps.size(), size_t(2)}));
 }
 

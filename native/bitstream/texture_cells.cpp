@@ -5,18 +5,30 @@
 #include <utility>
 
 namespace sgi {
+namespace {
+
+constexpr int64_t kPiece = 1 << 15;  // floats; small enough to be memory that was used before
+
+}  // namespace
 
 TextureDequantizer::TextureDequantizer(const TextureSteps &steps, const std::array<float, 3> &excess,
-                                       const TextureColours &colours, int64_t samples)
+                                       const TextureColours &colours)
     : steps_(steps), excess_{0.5f, excess[0], excess[1], excess[2]},  // the first lets no symbol be +0 in both states
-      mixed_(!colours.same()), mix_(colours.matrix()), values_(size_t(steps.channels())) {
-  found.amplitudes.reset(new float[size_t(samples)]);
-}
+      mixed_(!colours.same()), mix_(colours.matrix()), values_(size_t(steps.channels())) {}
 
 void TextureDequantizer::begin(const TextureCell &cell, int contrast) {
   found.corner.insert(found.corner.end(), {int32_t(cell.x), int32_t(cell.y)});
   found.log_size.push_back(uint8_t(cell.log));
-  first_ = found.amplitudes.get() + found.amplitude_count;
+  const int64_t size = int64_t(steps_.channels()) << 2 * cell.log;
+  if (size > room_) {
+    room_ = std::max(kPiece, size);
+    first_ = found.memory.emplace_back(new float[size_t(room_)]).get();
+  } else {
+    first_ += int64_t(steps_.channels()) << 2 * log_;
+  }
+  room_ -= size;
+  found.amplitudes.push_back(first_);
+  found.amplitude_count += size;
   log_ = cell.log, contrast_ = contrast, channel_ = 0;
 }
 
@@ -62,9 +74,8 @@ const TextureDequantizer::Values &TextureDequantizer::values_of(int channel) {
 }
 
 void TextureDequantizer::end() {
-  const int64_t size = int64_t(1) << 2 * log_;
-  found.amplitude_count += channel_ * size;
   if (!mixed_) return;
+  const int64_t size = int64_t(1) << 2 * log_;
   Waves *const waves = &found.waves[found.waves.size() - size_t(channel_)];
   for (int c = 1; c < 3; ++c)
     for (int other = 0; other < 3; ++other)

@@ -14,19 +14,23 @@
 namespace sgi {
 
 struct TextureCells {
-  std::vector<int32_t> corner;          // [N, 2]
-  std::vector<uint8_t> log_size;        // [N]
-  std::unique_ptr<float[]> amplitudes;  // of each cell [C, n, n]
+  TextureCells() = default;
+  TextureCells(TextureCells &&) = default;
+  TextureCells &operator=(TextureCells &&) = default;
+
+  std::vector<int32_t> corner;                   // [N, 2]
+  std::vector<uint8_t> log_size;                 // [N]
+  std::vector<const float *> amplitudes;         // [N] of each cell [C, n, n]
+  std::vector<Waves> waves;                      // [N, C]
+  std::vector<std::unique_ptr<float[]>> memory;  // where amplitudes are
   int64_t amplitude_count = 0;
-  std::vector<Waves> waves;  // [N, C]
 };
 
 // Finds amplitudes as cells are read, in coding order.
 class TextureDequantizer {
  public:
-  // excess: what is added to the magnitude of symbols +-1, +-2, and all larger ones; samples: of all roots, C times.
-  TextureDequantizer(const TextureSteps &steps, const std::array<float, 3> &excess, const TextureColours &colours,
-                     int64_t samples);
+  // excess: what is added to the magnitude of symbols +-1, +-2, and all larger ones.
+  TextureDequantizer(const TextureSteps &steps, const std::array<float, 3> &excess, const TextureColours &colours);
 
   // Begins a cell, in a root of this contrast.
   void begin(const TextureCell &cell, int contrast);
@@ -55,6 +59,7 @@ class TextureDequantizer {
   std::vector<Values> values_;  // [C]
   int log_ = 0, contrast_ = 0, channel_ = 0;
   float *first_ = nullptr;  // amplitude of the cell
+  int64_t room_ = 0;        // floats behind those of the cell in the same piece of memory
 };
 
 // All cells of a field with extents.

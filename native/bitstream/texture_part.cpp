@@ -79,7 +79,7 @@ std::optional<CodedTexture> read_texture_part(SymbolReader &reader, int64_t widt
   }
   const double before = reader.decoder().content();
   TextureField field = empty_field(width, height, channels);
-  TextureDequantizer cells(indices.steps(), indices.added(), indices.colours, int64_t(field.symbols.size()));
+  TextureDequantizer cells(indices.steps(), indices.added(), indices.colours);
   read_texture(shipped_texture_models(), reader, width, height, indices.has_contrast, field, cells);
   reader.book(Part::texture, reader.decoder().content() - before);
   return CodedTexture{std::move(indices), std::move(field), std::move(cells.found)};

@@ -153,7 +153,8 @@ void TileRenderer::draw_blocks(const PictureView &view, int64_t x, int64_t y, co
   const int64_t share = restores ? 64 : texture_ ? 16 : 1;  // as much more is held of a block
   int64_t most = std::max<int64_t>(1, settings_.block_samples / share);
   if (restores) most = std::min(most, band_samples(block.columns * block.rows * header_.spec.channels, threads));
-  const int64_t width = std::min(block.columns, int64_t(std::ceil(4 * std::sqrt(double(most)))));  // flat blocks
+  const int64_t width = restores ? restoration_->block_columns(block.columns)
+                                 : std::min(block.columns, int64_t(std::ceil(4 * std::sqrt(double(most)))));  // flat
   const int64_t height = std::max<int64_t>(1, most / (width * header_.spec.channels));
   Restored tools{{Rasterizer(settings_.isa, threads, kMaxPairs), gaussians_, 0, 0}, tools_for(view, threads)};
   for (int64_t top = 0; top < block.rows; top += height)
@@ -227,7 +228,7 @@ void TileRenderer::draw_block(Tools &tools, const PictureView &view, int64_t x, 
   if (texture_) {
     const Texture all{texture_->corner.data(),
                       texture_->log_size.data(),
-                      texture_->amplitudes.get(),
+                      texture_->amplitudes.data(),
                       texture_->waves.data(),
                       int64_t(texture_->log_size.size()),
                       spec.channels,

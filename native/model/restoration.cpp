@@ -12,7 +12,7 @@ namespace sgi {
 namespace {
 
 constexpr int kStepOfOne = 480, kInputUnits = 128;
-constexpr int64_t kStripRows = 64;
+constexpr int64_t kStripRows = 64, kMaxStrips = 8;
 constexpr int kCubicBefore = 1, kCubicTaps = 4;
 
 // The first and last pixel and one on of an axis of `size` that its output pixels show.
@@ -84,6 +84,12 @@ void Restoration::add(const float *drawn, const OutputAxis &x, const OutputAxis 
         for (int tap = 0; tap < kCubicTaps; ++tap) to[i] += line[across[i].at[tap]] * across[i].weight[tap];
     }
   });
+}
+
+int64_t Restoration::block_columns(int64_t columns) const {
+  const int64_t strips = (columns + strip_columns() - 1) / strip_columns();
+  const int64_t blocks = (strips + kMaxStrips - 1) / kMaxStrips;
+  return std::min(columns, (strips + blocks - 1) / blocks * strip_columns());
 }
 
 int64_t Restoration::strip_columns() const { return kRestorationColumns - 2 * (network_->reach() - 1); }

@@ -44,6 +44,10 @@ class Restoration {
   Restoration(std::shared_ptr<const RestorationNetwork> network, int step, int channels, int64_t width, int64_t height,
               Isa isa);
 
+  // Columns of blocks that are restored one after the other: whole strips, and few of them, so that as little as may be
+  // is drawn twice around a block.
+  int64_t block_columns(int64_t columns) const;
+
   // What must be drawn of the tile for what these axes show of it, at scales of 1 and above.
   TileBlock needed(const OutputAxis &x, const OutputAxis &y) const;
   // The same values for any block that is asked for, number of threads and instruction set; drawn: the needed block, or

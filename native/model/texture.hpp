@@ -14,7 +14,7 @@ struct Waves {
 struct Texture {
   const int32_t *corner;    // [N, 2]
   const uint8_t *log_size;  // [N] kTextureLeast ... kTextureRoot
-  const float *amplitudes;  // of each cell [C, n, n], side n, one cell after the other
+  const float *const *amplitudes;  // of each cell [C, n, n], side n
   const Waves *waves;       // [N, C]
   int64_t count;
   int channels;

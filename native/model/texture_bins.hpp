@@ -7,18 +7,15 @@
 
 namespace sgi {
 
-// In their order, and where their amplitudes begin.
+// In their order.
 class TextureBins {
  public:
   // columns, rows: of all pixels.
   TextureBins(const Texture &texture, const TextureAxis &x, const TextureAxis &y, const TextureBlocks &blocks,
               int64_t columns, int64_t rows)
       : across((blocks.before + columns + blocks.width - 1) / blocks.width),
-        down((blocks.above + rows + blocks.height - 1) / blocks.height), blocks_(blocks), begin_(texture.count + 1),
-        start_(across * down + 1), shown_(texture.count) {
-    for (int64_t i = 0; i < texture.count; ++i)
-      begin_[i + 1] = begin_[i] + (int64_t(texture.channels) << 2 * texture.log_size[i]);
-    for_each_pair(texture, x, y, [&](int64_t block, int64_t cell) { ++start_[block + 1], shown_[cell] = 1; });
+        down((blocks.above + rows + blocks.height - 1) / blocks.height), blocks_(blocks), start_(across * down + 1) {
+    for_each_pair(texture, x, y, [&](int64_t block, int64_t) { ++start_[block + 1]; });
     for (size_t block = 1; block < start_.size(); ++block) start_[block] += start_[block - 1];
     cells_.resize(start_.back());
     std::vector<int64_t> to(start_.begin(), start_.end() - 1);
@@ -26,10 +23,6 @@ class TextureBins {
   }
 
   const int64_t across, down;
-  // Where a cell's amplitudes begin.
-  int64_t begin(int64_t cell) const { return begin_[cell]; }
-  // Whether any block shows it.
-  bool has(int64_t cell) const { return shown_[cell]; }
   const int64_t *first(int64_t block) const { return cells_.data() + start_[block]; }
   const int64_t *last(int64_t block) const { return cells_.data() + start_[block + 1]; }
 
@@ -47,8 +40,7 @@ class TextureBins {
   }
 
   const TextureBlocks blocks_;
-  std::vector<int64_t> begin_, start_, cells_;
-  std::vector<uint8_t> shown_;
+  std::vector<int64_t> start_, cells_;
 };
 
 }  // namespace sgi

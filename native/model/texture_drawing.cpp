@@ -31,7 +31,7 @@ struct TextureDrawing::Prepared {
     for (int c = 0; c < texture.channels; ++c) {
       const Waves &waves = texture.waves[cell * texture.channels + c];
       if (!waves.across) continue;
-      part.amplitudes = texture.amplitudes + bins.begin(cell) + c * side * side;
+      part.amplitudes = texture.amplitudes[cell] + c * side * side;
       part.waves_down = waves.down;
       part.waves_across = waves.across;
       kernel.add(part, planes + (c * blocks.height + upper - top) * blocks.stride + first - left, blocks.stride);
