@@ -21,8 +21,8 @@ constexpr int64_t kMaxPairs = 1 << 24;  // (tile, Gaussian) pairs of a block; a 
 // to look at all of its Gaussians again.
 constexpr int64_t kWholeSamples = 1 << 18;
 // What is restored is drawn in bands: large ones draw less of their margins twice, small ones stay in the cache and in
-// memory that is there. An eighth of a view within these limits, and more where many threads share it.
-constexpr int64_t kMinBand = 1 << 19, kMaxBand = 1 << 19, kBandOfThread = 1 << 17;
+// memory that is there.
+constexpr int64_t kBand = 1 << 19, kBandOfThread = 1 << 17;  // samples; the latter where many threads share one
 constexpr float kCutoff = 3.5f;
 constexpr double kFinePixels = 1 << 20;  // of a float's whole numbers, with 1/16 of a pixel between
 
@@ -50,10 +50,6 @@ std::vector<double> base_colours(const TileModel &model) {
   std::vector<double> values(model.base.size());
   for (size_t i = 0; i < values.size(); ++i) values[i] = double(model.base[i]) * step;
   return values;
-}
-
-int64_t band_samples(int64_t samples, int threads) {
-  return std::max(std::clamp(samples / 8, kMinBand, kMaxBand), kBandOfThread * resolve_threads(threads));
 }
 
 template <class T>
@@ -150,9 +146,8 @@ const TileRenderer::Whole *TileRenderer::whole(const PictureView &view, int thre
 void TileRenderer::draw_blocks(const PictureView &view, int64_t x, int64_t y, const PixelBlock &block,
                                const SampleFormat &format, int threads) {
   const bool restores = restoration_ && std::min(view.sx, view.sy) >= 1;
-  const int64_t share = restores ? 64 : texture_ ? 16 : 1;  // as much more is held of a block
-  int64_t most = std::max<int64_t>(1, settings_.block_samples / share);
-  if (restores) most = std::min(most, band_samples(block.columns * block.rows * header_.spec.channels, threads));
+  int64_t most = std::max<int64_t>(1, settings_.block_samples);
+  if (restores) most = std::min(most, std::max(kBand, kBandOfThread * resolve_threads(threads)));
   const int64_t width = restores ? restoration_->block_columns(block.columns)
                                  : std::min(block.columns, int64_t(std::ceil(4 * std::sqrt(double(most)))));  // flat
   const int64_t height = std::max<int64_t>(1, most / (width * header_.spec.channels));

@@ -20,8 +20,7 @@ struct DecoderSettings {
   int threads = 0;  // 0: one for each core
   Isa isa = Isa::portable;
   int64_t cache_bytes = int64_t(1) << 28;    // what decoded tiles may take before those used least recently go
-  int64_t block_samples = int64_t(1) << 27;  // rendered at a time; a sixteenth if the processor has texture as floats,
-                                             // a quarter of that at most where it restores
+  int64_t block_samples = int64_t(1) << 27;  // rendered at a time, at most; less where it restores
   std::function<void()> between = nullptr;   // called between tiles by who draws them; what it throws ends the call
   bool checked = true;                       // as of `read_tile`
   int64_t tile_memory = kAnyMemory;          // as of `read_tile`
