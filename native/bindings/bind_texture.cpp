@@ -42,7 +42,8 @@ sgi::Texture texture_of(const Array<const int32_t, 2> &corner, const Array<const
     }
   }
   require(amplitudes.shape(0) == values, "amplitudes must be [C, n, n] of each cell");
-  return {corner.data(), log_size.data(), held.first.data(), held.waves.data(), int64_t(count), int(channels), width, height};
+  return {corner.data(), log_size.data(), held.first.data(), held.waves.data(), int64_t(count), int(channels),
+          width,         height};
 }
 
 void draw_texture(Array<const int32_t, 2> corner, Array<const uint8_t, 1> log_size, Array<const float, 1> amplitudes,

@@ -92,8 +92,8 @@ int64_t TileRenderer::memory() const {
   if (rescaled_) bytes += rescaled_->gaussians.memory();
   if (whole_) bytes += bytes_of(whole_->samples);
   if (texture_)
-    bytes +=
-        bytes_of(texture_->corner) + bytes_of(texture_->log_size) + texture_->amplitude_count * int64_t(sizeof(float));
+    bytes += bytes_of(texture_->corner) + bytes_of(texture_->log_size) + bytes_of(texture_->amplitudes) +
+             bytes_of(texture_->waves) + texture_->amplitude_count * int64_t(sizeof(float));
   const Mask *before = nullptr;
   for (const BandMask &mask : masks_) {
     if (mask.pixels && mask.pixels.get() != before) bytes += mask.pixels->memory();

@@ -12,10 +12,10 @@ struct Waves {
 
 // The texture of a tile of width x height pixels.
 struct Texture {
-  const int32_t *corner;    // [N, 2]
-  const uint8_t *log_size;  // [N] kTextureLeast ... kTextureRoot
+  const int32_t *corner;           // [N, 2]
+  const uint8_t *log_size;         // [N] kTextureLeast ... kTextureRoot
   const float *const *amplitudes;  // of each cell [C, n, n], side n
-  const Waves *waves;       // [N, C]
+  const Waves *waves;              // [N, C]
   int64_t count;
   int channels;
   int64_t width, height;
