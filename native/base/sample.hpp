@@ -1,9 +1,12 @@
 // The types that samples are stored as.
 #pragma once
+#include <cstdint>
 
 namespace sgi {
 
 enum class SampleType { u8, u16, f32 };
+
+constexpr int64_t bytes_of(SampleType type) { return type == SampleType::u8 ? 1 : type == SampleType::u16 ? 2 : 4; }
 
 // The sample that stands for 1 where no range is stated; 0 stands for 0.
 constexpr double largest_of(SampleType type) {

@@ -256,5 +256,5 @@ void bind_texture_coding(nb::module_ &m) {
   m.def("texture_cells", &texture_cells, "log_size"_a, "contrast"_a, "symbols"_a, "steps"_a, "slope"_a, "excess"_a,
         "colours"_a, "Corners, log2 of sides, amplitudes, and rows and columns of these behind which all are zero.");
   m.def("cheapest_colours", &cheapest_colours, "planes"_a, "contrast"_a, "steps"_a, "slope"_a, "lmbda"_a, "threads"_a,
-        "Indices of the colours in which texture that shows these planes,, costs least, about.");
+        "Indices of the colours in which texture that shows these planes costs least, about.");
 }

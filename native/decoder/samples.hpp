@@ -28,7 +28,7 @@ class SampleFormat {
 
   bool is_mapped() const { return is_mapped_; }
   bool is_dithered(SampleType source) const { return is_mapped_ && type == SampleType::u8 && source != type; }
-  int64_t sample_bytes() const { return type == SampleType::u8 ? 1 : type == SampleType::u16 ? 2 : 4; }
+  int64_t sample_bytes() const { return bytes_of(type); }
   // The part of a block from a column and a row on.
   PixelBlock part(const PixelBlock &block, int64_t left, int64_t top, int64_t columns, int64_t rows) const;
   // For the rasteriser: samples of this format in a block.

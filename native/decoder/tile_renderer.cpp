@@ -168,30 +168,30 @@ void TileRenderer::draw_restored(Restored &tools, const PictureView &view, int64
   const OutputAxis columns = across(view, x, block.columns), rows = down(view, y, block.rows);
   const TileBlock needed = restoration_->needed(columns, rows);
   const PictureView own{double(place_.x), double(place_.y), 1, 1, place_.width, place_.height};
-  const float *drawn = draw_channels(tools.own, tools.drawn, own, needed, threads);
+  const auto drawn = draw_channels<const float>(tools.own, tools.drawn, own, needed, threads);
   const auto store = [&](int64_t left, int64_t top, int64_t count, const float *const *channels) {
     format.store_channels(channels, format.part(block, left - columns.first, top - rows.first, count, 1));
   };
   if (view.is_plain())
-    return restoration_->restore({drawn, needed}, {columns.first, rows.first, block.columns, block.rows}, threads,
-                                 store);
-  float *shown = draw_channels(tools.shown, tools.planes, view, {x, y, block.columns, block.rows}, threads);
-  restoration_->add(drawn, columns, rows, threads, shown);
+    return restoration_->restore(drawn, {columns.first, rows.first, block.columns, block.rows}, threads, store);
+  const auto shown = draw_channels<float>(tools.shown, tools.planes, view, {x, y, block.columns, block.rows}, threads);
+  restoration_->add(drawn, columns, rows, threads, shown.first);
   parallel_for(block.rows, threads, [&](int64_t row) {
     std::vector<const float *> channels;
-    for (int c = 0; c < header_.spec.channels; ++c) channels.push_back(shown + (c * block.rows + row) * block.columns);
+    for (int c = 0; c < header_.spec.channels; ++c) channels.push_back(shown.at(c, x, y + row));
     store(columns.first, rows.first + row, block.columns, channels.data());
   });
 }
 
-// The channels of a block of a view [C, rows, columns].
-float *TileRenderer::draw_channels(Tools &tools, KeptFloats &memory, const PictureView &view, const TileBlock &block,
-                                   int threads) const {
+// The channels of a block of a view.
+template <class T>
+TilePlanes<T> TileRenderer::draw_channels(Tools &tools, KeptFloats &memory, const PictureView &view,
+                                          const TileBlock &block, int threads) const {
   const int64_t plane = block.columns * block.rows;
   float *planes = memory.room(plane * header_.spec.channels);
   draw_block(tools, view, block.left, block.top, block.columns, block.rows, ChannelPlanes{planes, block.columns, plane},
              threads);
-  return planes;
+  return {planes, block};
 }
 
 OutputAxis TileRenderer::across(const PictureView &view, int64_t x, int64_t count) const {

@@ -92,8 +92,9 @@ class TileRenderer {
   template <class Sink>
   void draw_block(Tools &tools, const PictureView &view, int64_t x, int64_t y, int64_t columns, int64_t rows,
                   const Sink &sink, int threads) const;
-  float *draw_channels(Tools &tools, KeptFloats &memory, const PictureView &view, const TileBlock &block,
-                       int threads) const;
+  template <class T>
+  TilePlanes<T> draw_channels(Tools &tools, KeptFloats &memory, const PictureView &view, const TileBlock &block,
+                              int threads) const;
   // The same with the correction of restoration.
   void draw_restored(Restored &tools, const PictureView &view, int64_t x, int64_t y, const PixelBlock &block,
                      const SampleFormat &format, int threads) const;

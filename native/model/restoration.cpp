@@ -65,11 +65,12 @@ TileBlock Restoration::needed(const OutputAxis &x, const OutputAxis &y) const {
           std::min(height_, seen.top + seen.rows + reach) - top};
 }
 
-void Restoration::add(const float *drawn, const OutputAxis &x, const OutputAxis &y, int threads, float *planes) const {
+void Restoration::add(const TilePlanes<const float> &drawn, const OutputAxis &x, const OutputAxis &y, int threads,
+                      float *planes) const {
   const TileBlock seen = shown(x, y);
   std::vector<float> memory(size_t(seen.columns) * seen.rows * seen_);
   const TilePlanes<float> correction{memory.data(), seen};
-  correct({drawn, needed(x, y)}, threads, correction);
+  correct(drawn, threads, correction);
   const std::vector<Cubic> across = cubics(x, seen.left, seen.columns), down = cubics(y, seen.top, seen.rows);
   parallel_for(y.count, threads, [&](int64_t row) {
     std::vector<float> line(seen.columns);

@@ -53,7 +53,8 @@ class Restoration {
   // The same values for any block that is asked for, number of threads and instruction set; drawn: the needed block, or
   // the block that is asked for and what is around it.
   // Adds the correction to planes [C, y.count, x.count] of what the axes show.
-  void add(const float *drawn, const OutputAxis &x, const OutputAxis &y, int threads, float *planes) const;
+  void add(const TilePlanes<const float> &drawn, const OutputAxis &x, const OutputAxis &y, int threads,
+           float *planes) const;
   // Writes the correction of a block of the tile's own pixels; channels that are not corrected stay as they are.
   void correct(const TilePlanes<const float> &drawn, int threads, const TilePlanes<float> &correction) const;
   // Hands out a block of the tile's own pixels, restored, row by row of strips of it, on several threads.

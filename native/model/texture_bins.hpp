@@ -3,9 +3,15 @@
 #include <cstdint>
 #include <vector>
 
-#include "model/texture_drawing.hpp"
+#include "model/texture.hpp"
 
 namespace sgi {
+
+// Blocks of pixels, the first of which begins so many pixels before the first pixel; stride: of a row of a block, at
+// least its width and kTexturePadding.
+struct TextureBlocks {
+  int64_t before, above, width, height, stride;
+};
 
 // In their order.
 class TextureBins {

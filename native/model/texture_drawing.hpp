@@ -1,34 +1,34 @@
 // Draws texture block by block, each while it is in the cache.
 #pragma once
 #include <cstdint>
-#include <memory>
 
-#include "model/texture.hpp"
+#include "model/texture_bins.hpp"
+#include "model/texture_kernel.hpp"
 
 namespace sgi {
-
-// Blocks of pixels, the first of which begins so many pixels before the first pixel; stride: of a row of a block, at
-// least its width and kTexturePadding.
-struct TextureBlocks {
-  int64_t before, above, width, height, stride;
-};
 
 class TextureDrawing {
  public:
   // The texture's arrays must outlive it.
   TextureDrawing(const Texture &texture, const OutputAxis &x, const OutputAxis &y, const TextureBlocks &blocks,
                  Isa isa);
-  ~TextureDrawing();
 
-  int64_t across() const;
-  int64_t down() const;
+  int64_t across() const { return bins_.across; }
+  int64_t down() const { return bins_.down; }
   // Writes a block [C, height, stride] from its first pixel on. False where it shows nothing: then nothing is written.
   // Safe for use by several threads at once.
   bool draw(int64_t column, int64_t row, float *planes) const;
 
  private:
-  struct Prepared;
-  std::unique_ptr<const Prepared> prepared_;
+  void add_cell(int64_t cell, int64_t x0, int64_t x1, int64_t y0, int64_t y1, int64_t left, int64_t top,
+                float *planes) const;
+
+  const Texture texture_;
+  const TextureBlocks blocks_;
+  const int64_t columns_, rows_;
+  const TextureKernel &kernel_;
+  const TextureAxis along_, downward_;
+  const TextureBins bins_;
 };
 
 }  // namespace sgi

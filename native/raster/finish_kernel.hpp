@@ -39,13 +39,15 @@ struct ChannelPlanes {
   int64_t row_stride, plane;
 };
 
+// Finishes a tile on its background.
+template <class Sink>
+using FinishTile = void (*)(const float *tile, int channels, const TileRect &rect, const Background &background,
+                            const Sink &sink);
+
 // Every operation is rounded by itself, none fused, so that all instruction sets give the same.
 struct FinishKernel {
-  // Of a tile.
-  void (*finish)(const float *tile, int channels, const TileRect &rect, const Background &background,
-                 const Samples &samples);
-  void (*finish_channels)(const float *tile, int channels, const TileRect &rect, const Background &background,
-                          const ChannelPlanes &planes);
+  FinishTile<Samples> finish;
+  FinishTile<ChannelPlanes> finish_channels;
   // Of pixels side by side, from the first sample on: from rows of their channels, and from values, those of a pixel
   // one after the other, which are mixed already.
   void (*store_channels)(const float *const *rows, int64_t pixels, int channels, const Samples &samples);

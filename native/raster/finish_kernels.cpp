@@ -162,8 +162,6 @@ inline void finish_on(const float *tile, const TileRect &r, const Background &b,
   b.planes ? finish_planes<true>(tile, r, b, sink) : finish_planes<false>(tile, r, b, sink);
 }
 
-int64_t bytes_of(SampleType type) { return type == SampleType::u8 ? 1 : type == SampleType::u16 ? 2 : 4; }
-
 void finish(const float *tile, int channels, const TileRect &r, const Background &background, const Samples &samples) {
   Samples row_samples = samples;
   float values[kMaxDrawnChannels * kTileWidth];

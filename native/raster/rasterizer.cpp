@@ -72,9 +72,9 @@ void Rasterizer::draw_tiles(const Gaussians &g, const View &view, float cutoff, 
   const int64_t across = (tiles_x + kGroupTiles - 1) / kGroupTiles, down = (tiles_y + kGroupTiles - 1) / kGroupTiles;
   parallel_for(across * down, threads_, [&](int64_t group) {
     thread_local std::vector<float> memory;
-    const int64_t left = group % across * kGroupTiles, top = group / across * kGroupTiles;
+    const int64_t column = group % across, row = group / across, left = column * kGroupTiles, top = row * kGroupTiles;
     if (behind && memory.size() < size_t(g.channels) * kGroupPlane) memory.resize(size_t(g.channels) * kGroupPlane);
-    const bool has_planes = behind && behind(group % across, group / across, memory.data());
+    const bool has_planes = behind && behind(column, row, memory.data());
     for (int64_t y = top; y < std::min(tiles_y, top + kGroupTiles); ++y)
       for (int64_t x = left; x < std::min(tiles_x, left + kGroupTiles); ++x) {
         TileBuffer buffer(g.channels);
@@ -95,30 +95,24 @@ void Rasterizer::forward(const Gaussians &g, const View &view, float cutoff, flo
   });
 }
 
-namespace {
-
-Background onto(const Background &background, const float *planes) {
-  Background found = background;
-  found.planes = planes, found.plane = kGroupPlane, found.plane_row = kGroupStride;
-  return found;
+template <class Sink>
+void Rasterizer::draw_onto(const Gaussians &g, const View &view, float cutoff, const Background &background,
+                           const GroupPlanes &behind, const Sink &sink, FinishTile<Sink> finish) {
+  draw_tiles(g, view, cutoff, behind, [&](const float *tile, const TileRect &r, const float *planes) {
+    Background of_tile = background;
+    of_tile.planes = planes, of_tile.plane = kGroupPlane, of_tile.plane_row = kGroupStride;
+    finish(tile, g.channels, r, of_tile, sink);
+  });
 }
-
-}  // namespace
 
 void Rasterizer::draw(const Gaussians &g, const View &view, float cutoff, const Background &background,
                       const GroupPlanes &behind, const Samples &samples) {
-  const auto finish = kernel_for<FinishKernel>(isa_).finish;
-  draw_tiles(g, view, cutoff, behind, [&](const float *tile, const TileRect &r, const float *planes) {
-    finish(tile, g.channels, r, onto(background, planes), samples);
-  });
+  draw_onto(g, view, cutoff, background, behind, samples, kernel_for<FinishKernel>(isa_).finish);
 }
 
 void Rasterizer::draw(const Gaussians &g, const View &view, float cutoff, const Background &background,
                       const GroupPlanes &behind, const ChannelPlanes &planes) {
-  const auto finish = kernel_for<FinishKernel>(isa_).finish_channels;
-  draw_tiles(g, view, cutoff, behind, [&](const float *tile, const TileRect &r, const float *of_tile) {
-    finish(tile, g.channels, r, onto(background, of_tile), planes);
-  });
+  draw_onto(g, view, cutoff, background, behind, planes, kernel_for<FinishKernel>(isa_).finish_channels);
 }
 
 Errors Rasterizer::error(const Gaussians &g, const View &view, float cutoff, const Comparison &with,

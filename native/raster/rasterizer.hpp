@@ -61,6 +61,9 @@ class Rasterizer {
  private:
   template <class Finish>
   void draw_tiles(const Gaussians &g, const View &view, float cutoff, const GroupPlanes &behind, Finish finish);
+  template <class Sink>
+  void draw_onto(const Gaussians &g, const View &view, float cutoff, const Background &background,
+                 const GroupPlanes &behind, const Sink &sink, FinishTile<Sink> finish);
   void reduce(const Gaussians &g, const Gradients &out);
   float *partials_for(int64_t slots, int channels);
 

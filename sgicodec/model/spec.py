@@ -49,10 +49,10 @@ class ModelSpec:
     """The architecture (paper, section 3.1, with the design's choices as settings).
 
     `features` is D, `per_seed` is K, `hidden` the width of MLP_c and MLP_Σ. With the adaptive layout K is 1, D is C + 3
-    and there are no MLPs: the features are a colour in an opponent space and a log-covariance. With the uniform one
+    and there are no MLPs: the features are a colour and a log-covariance. With the uniform one
     seeds also carry the scales s_o and s_a, and MLP_Σ says rotations. `base_cell` is the side in pixels of the base
     layer's cells, 0 for none. `texture` says whether tiles may hold a texture layer,
-    `luma_space` whether samples are those of luma space, `restoration` whether tiles may name a network that
+    `luma_space` whether channels are those of luma space, `restoration` whether tiles may name a network that
     restores what is rendered.
     """
 

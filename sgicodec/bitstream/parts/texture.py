@@ -17,7 +17,7 @@ __all__ = ["layer_of", "texture_models", "write_texture"]
 Steps = tuple[int, list[int], tuple[int, int], tuple[int, int, int], bool, tuple[int, int, int]]
 Read = tuple[Steps, NDArray[np.uint8], NDArray[np.int8], NDArray[np.int16]]
 
-OPPONENT, COLOURED = 2, 3
+PLAIN, COLOURED = 2, 3
 """Whether a layer is in the channels of its tile or in colours of its own."""
 _MODELS_BITS, _STEP_BITS, _RATIO_BITS, _EXCESS_BITS, _SHARE_BITS, _TURN_BITS = 4, 9, 5, 4, 6, 4
 _SLOPE_BITS = MAX_SLOPE.bit_length()
@@ -42,7 +42,7 @@ def write_texture(writer: SymbolWriter, size: tuple[int, int], channels: int, te
     coloured = steps.colours != SAME_COLOURS
     if coloured and channels < 3:
         raise ValueError("colours are for three channels or more")
-    writer.code_int(COLOURED if coloured else OPPONENT, _MODELS_BITS)
+    writer.code_int(COLOURED if coloured else PLAIN, _MODELS_BITS)
     _write_steps(writer, steps)
     parts = texture.log_size, texture.contrast, texture.symbols
     writer.flags(*texture_models().write(*parts, size, steps.has_contrast))

@@ -30,7 +30,7 @@ class Screen:
 
     def shown(self, planes: F32) -> F32:
         """sRGB samples [C, H, W] of a model's channels; without alpha, where they have one."""
-        samples = self._plain(planes)
+        samples = self._samples(planes)
         if not self.has_alpha:
             return samples
         shown: F32 = (samples[:-1] - _BEHIND) * self._opacity(samples) + _BEHIND
@@ -40,7 +40,7 @@ class Screen:
         """The gradient in planes of what has this gradient in what is shown of them."""
         gradient = shown
         if self.has_alpha:
-            samples = self._plain(planes)
+            samples = self._samples(planes)
             of_alpha = (shown * (samples[:-1] - _BEHIND)).sum(axis=0, keepdims=True)
             moves = (samples[-1:] > 0) & (samples[-1:] < 1) & (self.alpha is None)
             gradient = np.concatenate([shown * self._opacity(samples), of_alpha * moves])
@@ -51,6 +51,6 @@ class Screen:
         opacity: F32 = np.clip(samples[-1:], 0, 1) if self.alpha is None else self.alpha[None]
         return opacity
 
-    def _plain(self, planes: F32) -> F32:
+    def _samples(self, planes: F32) -> F32:
         """Samples of all channels."""
         return np.tensordot(to_samples(self.spec).astype(np.float32), planes, axes=1)
