@@ -8,6 +8,7 @@
 #include <mutex>
 #include <system_error>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #ifdef SGI_X86
@@ -66,7 +67,8 @@ struct Job {
 // Helpers that loops of several callers share: each caller works on its own loop.
 class Pool {
  public:
-  void run(Job &job) {
+  // From here on helpers join.
+  void open(Job &job) {
     {
       std::lock_guard<std::mutex> lock(mutex_);
       try {
@@ -76,9 +78,12 @@ class Pool {
       jobs_.push_back(&job);
     }
     wake_.notify_all();
-    job.work();
+  }
+
+  // Waits for those that have joined; others are not needed any more.
+  void close(Job &job) {
     std::unique_lock<std::mutex> lock(mutex_);
-    jobs_.erase(std::find(jobs_.begin(), jobs_.end(), &job));  // helpers that have not joined are not needed any more
+    jobs_.erase(std::find(jobs_.begin(), jobs_.end(), &job));
     done_.wait(lock, [&] { return job.helpers == 0; });
   }
 
@@ -138,9 +143,42 @@ void parallel_for(int64_t n, int threads, const std::function<void(int64_t)> &bo
   if (job.slots <= 0 || in_loop) {
     job.work();
   } else {
-    pool().run(job);
+    pool().open(job);
+    job.work();
+    pool().close(job);
   }
   if (job.failure) std::rethrow_exception(job.failure);
+}
+
+struct Task::Parts {
+  std::function<void(int64_t)> body;
+  Job job;
+  bool is_open;
+
+  void close() {
+    if (is_open) pool().close(job);
+    is_open = false;
+  }
+};
+
+Task::Task(int threads, std::function<void()> body) : parts_(new Parts) {
+  Parts &parts = *parts_;
+  parts.body = [body = std::move(body)](int64_t) { body(); };
+  parts.job.body = &parts.body;
+  parts.job.n = 1;
+  parts.job.slots = std::min(1, resolve_threads(threads) - 1);
+  parts.is_open = parts.job.slots > 0 && !in_loop;
+  if (parts.is_open) pool().open(parts.job);
+}
+
+Task::~Task() { parts_->close(); }
+
+void Task::begin() { parts_->job.work(); }
+
+void Task::wait() {
+  begin();
+  parts_->close();
+  if (parts_->job.failure) std::rethrow_exception(parts_->job.failure);
 }
 
 }  // namespace sgi

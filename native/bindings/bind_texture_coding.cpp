@@ -211,7 +211,9 @@ auto texture_cells(LogSizes log_size, Contrasts contrast, SymbolPlanes symbols, 
   const sgi::TextureColours mixed = colours_of(colours, steps.size());
   TextureField field = field_of(log_size, contrast, symbols);
   field.find_extents();
-  const sgi::TextureCells cells = sgi::texture_cells(field, {steps_of(steps, slope), excess, mixed});
+  sgi::TextureCells cells;
+  sgi::TextureDequantizer dequantizer(steps_of(steps, slope), excess, mixed, cells);
+  sgi::read_cells(field, dequantizer);
   const size_t count = cells.log_size.size();
   std::vector<float> amplitudes;
   amplitudes.reserve(size_t(cells.amplitude_count));

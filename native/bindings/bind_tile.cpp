@@ -21,9 +21,9 @@ using sgi::require;
 
 namespace {
 
-constexpr const char *kPartNames[sgi::kParts] = {"steps",         "base",    "positions",   "decoders", "hash grid",
-                                                 "context model", "colour",  "shape",       "feature",  "scales",
-                                                 "offset",        "texture", "restoration", "check"};
+constexpr const char *kPartNames[sgi::kParts] = {"steps",         "base",        "positions", "decoders", "hash grid",
+                                                 "context model", "colour",      "shape",     "feature",  "scales",
+                                                 "offset",        "restoration", "texture",   "check"};
 constexpr const char *kGroupNames[] = {"colour", "shape", "feature", "scales", "offset"};
 
 sgi::Bytes bytes_of(const nb::bytes &bytes) { return {static_cast<const uint8_t *>(bytes.data()), bytes.size()}; }
@@ -55,7 +55,7 @@ ReadTile read_tile(const nb::bytes &header, const nb::bytes &payload, int thread
   const sgi::Bytes fields = bytes_of(header), symbols = bytes_of(payload);
   nb::gil_scoped_release release;
   const sgi::Header own = sgi::decode_header(fields);
-  return {own, sgi::read_tile(own, symbols, threads, chosen, checked)};
+  return {own, sgi::read_tile(own, symbols, {threads, chosen, checked})};
 }
 
 ReadTile &tile_of(nb::handle self) { return nb::cast<ReadTile &>(self); }
@@ -128,7 +128,7 @@ using Bits = nb::typed<nb::dict, nb::str, double>;
 Bits bits_of(const ReadTile &tile) {
   nb::dict bits;
   for (size_t part = 0; part < sgi::kParts; ++part)
-    if (tile.model.bits[part] > 0) bits[kPartNames[part]] = tile.model.bits[part];
+    if (tile.model.end.bits[part] > 0) bits[kPartNames[part]] = tile.model.end.bits[part];
   return nb::borrow<Bits>(bits);
 }
 
@@ -199,7 +199,7 @@ void bind_tile_model(nb::module_ &m) {
                    "Numbers of network and step, and by layer what is added to it; None for none.")
       .def_prop_ro("bits", &bits_of, "Information content of the parts, by name.")
       .def_prop_ro(
-          "crc", [](const ReadTile &tile) { return tile.model.symbol_crc; },
+          "crc", [](const ReadTile &tile) { return tile.model.end.symbol_crc; },
           "CRC-32 of all symbols: equal on every machine.");
 }
 

@@ -15,8 +15,8 @@ enum class Part {
   feature,
   scales,
   offset,
-  texture,
   restoration,
+  texture,
   check
 };
 constexpr int kParts = 14;

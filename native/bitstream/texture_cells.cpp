@@ -11,24 +11,35 @@ constexpr int64_t kPiece = 1 << 15;  // floats; small enough to be memory that w
 
 }  // namespace
 
+void TextureCells::reserve(int64_t cells, int channels) {
+  corner.reserve(size_t(2 * cells)), log_size.reserve(size_t(cells)), amplitudes.reserve(size_t(cells));
+  waves.reserve(size_t(cells * channels));
+}
+
+Texture TextureCells::texture(int channels, int64_t width, int64_t height) const {
+  return {corner.data(), log_size.data(), amplitudes.data(), waves.data(), int64_t(log_size.size()), channels,
+          width,         height};
+}
+
 TextureDequantizer::TextureDequantizer(const TextureSteps &steps, const std::array<float, 3> &excess,
-                                       const TextureColours &colours)
-    : steps_(steps), excess_{0.5f, excess[0], excess[1], excess[2]},  // the first lets no symbol be +0 in both states
+                                       const TextureColours &colours, TextureCells &found)
+    : found_(found), steps_(steps),
+      excess_{0.5f, excess[0], excess[1], excess[2]},  // the first lets no symbol be +0 in both states
       mixed_(!colours.same()), mix_(colours.matrix()), values_(size_t(steps.channels())) {}
 
 void TextureDequantizer::begin(const TextureCell &cell, int contrast) {
-  found.corner.insert(found.corner.end(), {int32_t(cell.x), int32_t(cell.y)});
-  found.log_size.push_back(uint8_t(cell.log));
+  found_.corner.insert(found_.corner.end(), {int32_t(cell.x), int32_t(cell.y)});
+  found_.log_size.push_back(uint8_t(cell.log));
   const int64_t size = int64_t(steps_.channels()) << 2 * cell.log;
   if (size > room_) {
     room_ = std::max(kPiece, size);
-    first_ = found.memory.emplace_back(new float[size_t(room_)]).get();
+    first_ = found_.memory.emplace_back(new float[size_t(room_)]).get();
   } else {
     first_ += int64_t(steps_.channels()) << 2 * log_;
   }
   room_ -= size;
-  found.amplitudes.push_back(first_);
-  found.amplitude_count += size;
+  found_.amplitudes.push_back(first_);
+  found_.amplitude_count += size;
   log_ = cell.log, contrast_ = contrast, channel_ = 0;
 }
 
@@ -51,7 +62,7 @@ void TextureDequantizer::channel(const int16_t *values, int64_t stride, int last
     if (!symbol) continue;
     down = std::max(down, at.v + 1), across = std::max(across, at.u + 1);
   }
-  found.waves.push_back({uint8_t((down + 3) / 4 * 4), uint8_t(across)});
+  found_.waves.push_back({uint8_t((down + 3) / 4 * 4), uint8_t(across)});
   ++channel_;
 }
 
@@ -76,7 +87,7 @@ const TextureDequantizer::Values &TextureDequantizer::values_of(int channel) {
 void TextureDequantizer::end() {
   if (!mixed_) return;
   const int64_t size = int64_t(1) << 2 * log_;
-  Waves *const waves = &found.waves[found.waves.size() - size_t(channel_)];
+  Waves *const waves = &found_.waves[found_.waves.size() - size_t(channel_)];
   for (int c = 1; c < 3; ++c)
     for (int other = 0; other < 3; ++other)
       waves[c] = {std::max(waves[c].down, waves[other].down), std::max(waves[c].across, waves[other].across)};
@@ -100,10 +111,9 @@ void add_cells(const TextureField &field, const TextureCell &cell, TextureDequan
 
 }  // namespace
 
-TextureCells texture_cells(const TextureField &field, TextureDequantizer dequantizer) {
+void read_cells(const TextureField &field, TextureDequantizer &to) {
   for (int64_t y = 0; y < field.height; y += 1 << kTextureRoot)
-    for (int64_t x = 0; x < field.width; x += 1 << kTextureRoot) add_cells(field, {x, y, kTextureRoot}, dequantizer);
-  return std::move(dequantizer.found);
+    for (int64_t x = 0; x < field.width; x += 1 << kTextureRoot) add_cells(field, {x, y, kTextureRoot}, to);
 }
 
 }  // namespace sgi

@@ -18,6 +18,11 @@ struct TextureCells {
   TextureCells(TextureCells &&) = default;
   TextureCells &operator=(TextureCells &&) = default;
 
+  // From here on so many cells of C channels stay where they are, as more are added.
+  void reserve(int64_t cells, int channels);
+  // Those that are there, of a tile of width x height pixels.
+  Texture texture(int channels, int64_t width, int64_t height) const;
+
   std::vector<int32_t> corner;                   // [N, 2]
   std::vector<uint8_t> log_size;                 // [N]
   std::vector<const float *> amplitudes;         // [N] of each cell [C, n, n]
@@ -29,8 +34,10 @@ struct TextureCells {
 // Finds amplitudes as cells are read, in coding order.
 class TextureDequantizer {
  public:
-  // excess: what is added to the magnitude of symbols +-1, +-2, and all larger ones.
-  TextureDequantizer(const TextureSteps &steps, const std::array<float, 3> &excess, const TextureColours &colours);
+  // excess: what is added to the magnitude of symbols +-1, +-2, and all larger ones. Cells are added to `found`, which
+  // must outlive it.
+  TextureDequantizer(const TextureSteps &steps, const std::array<float, 3> &excess, const TextureColours &colours,
+                     TextureCells &found);
 
   // Begins a cell, in a root of this contrast.
   void begin(const TextureCell &cell, int contrast);
@@ -38,8 +45,6 @@ class TextureDequantizer {
   void channel(const int16_t *values, int64_t stride, int last);
   // Ends it, behind its last channel.
   void end();
-
-  TextureCells found;
 
  private:
   // Of symbols up to kSmall either way, by quantiser; contrast: of which they are, none at first.
@@ -52,6 +57,7 @@ class TextureDequantizer {
   const Values &values_of(int channel);
   float value_of(int symbol, QuantizerState state, float step) const;
 
+  TextureCells &found_;
   const TextureSteps steps_;
   const std::array<float, 4> excess_;
   const bool mixed_;
@@ -62,7 +68,7 @@ class TextureDequantizer {
   int64_t room_ = 0;        // floats behind those of the cell in the same piece of memory
 };
 
-// All cells of a field with extents.
-TextureCells texture_cells(const TextureField &field, TextureDequantizer dequantizer);
+// Gives it all cells of a field with extents.
+void read_cells(const TextureField &field, TextureDequantizer &to);
 
 }  // namespace sgi

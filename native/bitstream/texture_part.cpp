@@ -65,8 +65,8 @@ const BitModels &shipped_texture_models() {
   return models;
 }
 
-std::optional<CodedTexture> read_texture_part(SymbolReader &reader, int64_t width, int64_t height, int channels,
-                                              int64_t memory) {
+std::optional<TextureIndices> read_texture_indices(SymbolReader &reader, int64_t width, int64_t height, int channels,
+                                                   int64_t memory) {
   if (!reader.number(1)) return std::nullopt;
   check_texture(channels, width, height, memory);
   const int models = reader.number(kModelsBits);
@@ -77,12 +77,20 @@ std::optional<CodedTexture> read_texture_part(SymbolReader &reader, int64_t widt
     if (channels < 3) throw Error(Fault::corrupt, "texture: colours of " + std::to_string(channels) + " channels");
     indices.colours = read_colours(reader);
   }
+  return indices;
+}
+
+CodedTexture read_texture_layer(SymbolReader &reader, TextureIndices indices, int64_t width, int64_t height,
+                                int channels, TextureCells &cells, const TextureRows &rows_read) {
   const double before = reader.decoder().content();
   TextureField field = empty_field(width, height, channels);
-  TextureDequantizer cells(indices.steps(), indices.added(), indices.colours);
-  read_texture(shipped_texture_models(), reader, width, height, indices.has_contrast, field, cells);
+  TextureDequantizer dequantizer(indices.steps(), indices.added(), indices.colours, cells);
+  cells.reserve(field.unit_count(), channels);
+  RowsRead told;
+  if (rows_read) told = [&](int64_t rows) { rows_read(rows, cells.texture(channels, width, height)); };
+  read_texture(shipped_texture_models(), reader, width, height, indices.has_contrast, field, dequantizer, told);
   reader.book(Part::texture, reader.decoder().content() - before);
-  return CodedTexture{std::move(indices), std::move(field), std::move(cells.found)};
+  return {std::move(indices), std::move(field)};
 }
 
 }  // namespace sgi

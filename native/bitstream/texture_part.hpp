@@ -1,6 +1,7 @@
 // The texture part of a tile: step sizes, then the layer under adaptive models (docs/format.md, "Texture").
 #pragma once
 #include <array>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -28,15 +29,20 @@ struct TextureIndices {
 struct CodedTexture {
   TextureIndices indices;
   TextureField field;
-  TextureCells cells;
 };
 
 // The state of the adaptive models with which a layer begins.
 const BitModels &shipped_texture_models();
 
-// A tile's layer, none where it has none. Throws Error: limit for a tile that is too large or takes more memory,
-// unsupported for models of another number, corrupt.
-std::optional<CodedTexture> read_texture_part(SymbolReader &reader, int64_t width, int64_t height, int channels,
-                                              int64_t memory = kAnyMemory);
+// Told of cells as they are read: those of the tile's first `rows` rows are all there, and stay where they are.
+using TextureRows = std::function<void(int64_t rows, const Texture &cells)>;
+
+// What a tile says of its layer before the cells, none where it has none. Throws Error: limit for a tile that is too
+// large or takes more memory, unsupported for models of another number, corrupt.
+std::optional<TextureIndices> read_texture_indices(SymbolReader &reader, int64_t width, int64_t height, int channels,
+                                                   int64_t memory = kAnyMemory);
+// Then the layer, and its amplitudes into `cells`. Throws Error (corrupt).
+CodedTexture read_texture_layer(SymbolReader &reader, TextureIndices indices, int64_t width, int64_t height,
+                                int channels, TextureCells &cells, const TextureRows &rows_read = nullptr);
 
 }  // namespace sgi

@@ -108,7 +108,7 @@ TextureBits write_texture(BitModels &models, const TextureField &field, int64_t 
 }
 
 void read_texture(BitModels models, SymbolReader &reader, int64_t width, int64_t height, bool has_contrast,
-                  TextureField &field, TextureDequantizer &cells) {
+                  TextureField &field, TextureDequantizer &cells, const RowsRead &rows_read) {
   BitReader bits(reader.decoder());
   LayerCoding<BitReader> layer(models, field, bits, nullptr, &cells, width, height, has_contrast);
   std::vector<int32_t> &symbols = layer.coding.symbols;
@@ -116,6 +116,7 @@ void read_texture(BitModels models, SymbolReader &reader, int64_t width, int64_t
     if (layer.sound()) layer.root(cell);
     reader.record(symbols.data(), int64_t(symbols.size()));
     symbols.clear();
+    if (rows_read && cell.x + cell.side() >= width) rows_read(cell.y + cell.side());
   });
   if (!layer.sound() || !layer.any())
     throw Error(Fault::corrupt, "texture: the payload does not decode; it is damaged");

@@ -1,5 +1,7 @@
 // A whole texture layer to bits, and from a payload.
 #pragma once
+#include <functional>
+
 #include "bitstream/symbol_reader.hpp"
 #include "bitstream/texture_bits.hpp"
 #include "bitstream/texture_cells.hpp"
@@ -20,10 +22,13 @@ TextureBits write_texture(BitModels &models, const TextureField &field, int64_t 
 // The layer of a tile before anything is read or found.
 TextureField empty_field(int64_t width, int64_t height, int channels);
 
+// Told after each row of roots how many rows of the tile's pixels have all their cells; may be empty.
+using RowsRead = std::function<void(int64_t rows)>;
+
 // Reads a layer into an empty one, and its amplitudes. Throws Error (corrupt) where the payload does not decode or
 // spells with more than it takes.
 void read_texture(BitModels models, SymbolReader &reader, int64_t width, int64_t height, bool has_contrast,
-                  TextureField &field, TextureDequantizer &cells);
+                  TextureField &field, TextureDequantizer &cells, const RowsRead &rows_read);
 
 // Roots that cover a side of so many pixels.
 inline int64_t texture_roots(int64_t side) { return (side + (1 << kTextureRoot) - 1) >> kTextureRoot; }

@@ -14,6 +14,7 @@
 #include "bitstream/part.hpp"
 #include "bitstream/restoration_part.hpp"
 #include "bitstream/shipped_networks.hpp"
+#include "bitstream/symbol_reader.hpp"
 #include "bitstream/texture_part.hpp"
 #include "model/step_plan.hpp"
 
@@ -33,6 +34,12 @@ struct TileCoding {
   std::optional<CodedTexture> texture;
 };
 
+// What is known when a payload is read.
+struct TileEnd {
+  std::array<double, kParts> bits{};  // information content of each part
+  uint32_t symbol_crc = 0;            // CRC-32 of all symbols: equal on every machine
+};
+
 // A decoded model.
 struct TileModel {
   std::vector<int32_t> corner;   // [N, 2] pixels
@@ -43,17 +50,51 @@ struct TileModel {
   AttributeDecoder colours, shapes;
   RestorationChoice restoration;
   TileCoding coding;
-  std::array<double, kParts> bits{};  // information content of each part
-  uint32_t symbol_crc = 0;            // CRC-32 of all symbols: equal on every machine
+  TileEnd end;
 
   int64_t seeds() const { return int64_t(log_size.size()); }
 };
 
-// The model of a payload; `header` is the tile's own (Header::of_tile). Throws Error: corrupt where the symbols are not
-// those that were written, limit before it takes memory for a model beyond the caps. Without `checked` the checksum of
-// symbols is not compared: for tests, which forge payloads. `memory`: bytes that the tile may take, besides some MiB.
-TileModel read_tile(const Header &header, Bytes payload, int threads, Isa isa, bool checked = true,
-                    int64_t memory = kAnyMemory);
+struct TileReading {
+  int threads = 1;
+  Isa isa = Isa::portable;
+  bool checked = true;          // false: the checksum of symbols is not compared; for tests, which forge payloads
+  int64_t memory = kAnyMemory;  // bytes that the tile may take, besides some MiB
+};
+
+// Reads a payload part by part. Throws Error: corrupt where the symbols are not those that were written, limit before
+// it takes memory for a model beyond the caps.
+class TileReader {
+ public:
+  // header: the tile's own (Header::of_tile). It and the payload must outlive the reader.
+  TileReader(const Header &header, Bytes payload, const TileReading &how);
+
+  // First all but texture and `end`.
+  TileModel model();
+  // Then texture, where there is some.
+  bool has_texture() const { return texture_.has_value(); }
+  CodedTexture texture(TextureCells &cells, const TextureRows &rows_read = nullptr);
+  // Then the end of the payload: nothing may be left.
+  TileEnd finish();
+
+ private:
+  void read_plan(TileModel &model);
+  void read_base_layer(TileModel &model);
+  void read_seeds(TileModel &model);
+  void read_decoders(TileModel &model);
+  void read_attributes(TileModel &model);
+
+  const Header &header_;
+  const ModelSpec &spec_;
+  const TileReading how_;
+  SymbolReader reader_;
+  const int64_t payload_bytes_;
+  int64_t memory_;  // bytes, what is left
+  std::optional<TextureIndices> texture_;
+};
+
+// All of it at once.
+TileModel read_tile(const Header &header, Bytes payload, const TileReading &how);
 
 // Which pixels of a band hold nothing: those of its mask, without one all or none.
 struct BandMask {

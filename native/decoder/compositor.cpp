@@ -183,7 +183,8 @@ void decode_tiles(const Header &header, TileCache &tiles, const PictureView &vie
   for (const int64_t number : wanted) {
     if (tiles.is_half_full()) break;
     if (between) between();
-    tiles.tile(number);
+    TileRenderer &tile = tiles.tile(number);
+    if (!view.is_plain()) tile.complete();  // the view may be much larger than the tile
   }
 }
 

@@ -202,10 +202,10 @@ const Survey &Stream::survey() {
   std::vector<uint32_t> crcs;
   parts_->tiles.for_each_fact([&](const TileFacts &facts) {
     found.seeds += facts.seeds;
-    for (int part = 0; part < kParts; ++part) found.part_bytes[part] += facts.bits[part] / 8;
+    for (int part = 0; part < kParts; ++part) found.part_bytes[part] += facts.end.bits[part] / 8;
     if (header().masked != Masked::none || header().has_exact) found.mask_bytes += facts.mask_bytes;
     for (int size = 0; size < 3; ++size) found.texture_cells[size] += facts.texture_cells[size];
-    crcs.push_back(facts.symbol_crc);
+    crcs.push_back(facts.end.symbol_crc);
   });
   found.symbol_crc = joined_crc(crcs);
   return parts_->survey.emplace(found);

@@ -21,12 +21,17 @@ constexpr int64_t kOverhead = 1 << 14;  // bytes that a tile counts for besides 
 
 using Tile = std::unique_ptr<TileRenderer>;
 
-Tile decoded_tile(const Header &header, int64_t number, const std::vector<uint8_t> &payload, int threads,
+// The only tile of a picture may be drawn before all of it is read; what is wrong with one of several is said with its
+// number.
+Tile decoded_tile(const Header &header, int64_t number, std::vector<uint8_t> payload, int threads,
                   const DecoderSettings &settings) {
+  const bool is_single = header.grid().count() == 1;
   try {
-    return std::make_unique<TileRenderer>(header, Bytes{payload.data(), payload.size()}, threads, settings);
+    auto tile = std::make_unique<TileRenderer>(header, std::move(payload), threads, settings);
+    if (!is_single) tile->complete();
+    return tile;
   } catch (const Error &error) {
-    if (header.grid().count() == 1) throw;
+    if (is_single) throw;
     throw Error(error.fault, "tile " + std::to_string(number) + ": " + error.what());
   }
 }
@@ -94,7 +99,7 @@ class TileCache::Prefetch {
       jobs_.pop_front();
       lock.unlock();
       try {
-        Tile tile = decoded_tile(cache_.chunks_.header(), job.number, job.payload, each_, cache_.settings_);
+        Tile tile = decoded_tile(cache_.chunks_.header(), job.number, std::move(job.payload), each_, cache_.settings_);
         tile->prepare(view_, 1);
         job.tile.set_value(std::move(tile));
       } catch (...) {
@@ -186,7 +191,7 @@ void TileCache::for_each_fact(const std::function<void(const TileFacts &)> &body
     for (size_t i = 0; i < tiles.size(); ++i) tiles[i].payload = chunks_.tile(first + int64_t(i));
     parallel_for(int64_t(tiles.size()), settings_.threads, [&](int64_t i) {
       try {
-        tiles[i].facts = decoded_tile(header, first + i, tiles[i].payload, 1, settings_)->facts();
+        tiles[i].facts = decoded_tile(header, first + i, std::move(tiles[i].payload), 1, settings_)->facts();
       } catch (...) {
         tiles[i].failure = std::current_exception();
       }

@@ -23,6 +23,7 @@ constexpr int64_t kWholeSamples = 1 << 18;
 // What is restored is drawn in bands: large ones draw less of their margins twice, small ones stay in the cache and in
 // memory that is there.
 constexpr int64_t kBand = 1 << 19, kBandOfThread = 1 << 17;  // samples; the latter where many threads share one
+constexpr int64_t kBandArriving = 1 << 17;                   // while texture arrives: then what is there of it is drawn
 constexpr float kCutoff = 3.5f;
 constexpr double kFinePixels = 1 << 20;  // of a float's whole numbers, with 1/16 of a pixel between
 
@@ -59,41 +60,59 @@ int64_t bytes_of(const std::vector<T> &held) {
 
 }  // namespace
 
-TileRenderer::TileRenderer(const Header &header, Bytes payload, int threads, const DecoderSettings &settings)
+TileRenderer::TileRenderer(const Header &header, std::vector<uint8_t> payload, int threads,
+                           const DecoderSettings &settings)
     : settings_(settings) {
-  TileChunk chunk = decode_tile_chunk(header, payload);
+  TileChunk chunk = decode_tile_chunk(header, {payload.data(), payload.size()});
   header_ = header.of_tile(chunk.number);
   place_ = header.grid().rect(chunk.number);
   is_empty_ = chunk.is_empty;
   masks_ = std::move(chunk.masks), exact_ = std::move(chunk.exact);
-  facts_.mask_bytes = int64_t(payload.size - (is_empty_ ? 0 : chunk.model.size));
+  facts_.mask_bytes = int64_t(payload.size() - (is_empty_ ? 0 : chunk.model.size));
   gaussians_.channels = header_.spec.channels;
   if (is_empty_) return;
-  take(read_tile(header_, chunk.model, threads, settings.isa, settings.checked, settings.tile_memory), threads);
+  auto reader = std::make_unique<TileReader>(
+      header_, chunk.model, TileReading{threads, settings.isa, settings.checked, settings.tile_memory});
+  const TileModel model = reader->model();
+  if (reader->has_texture())
+    texture_ = std::make_unique<ArrivingTexture>(std::move(reader), std::move(payload), threads);
+  else
+    facts_.end = reader->finish();
+  take(model, threads);
 }
 
-void TileRenderer::take(TileModel model, int threads) {
+void TileRenderer::take(const TileModel &model, int threads) {
   const ModelSpec &spec = header_.spec;
   facts_.seeds = model.seeds();
-  facts_.bits = model.bits;
-  facts_.symbol_crc = model.symbol_crc;
   gaussians_ = gaussians_of(spec, model, threads, settings_.isa);
   base_ = base_colours(model);
   if (const RestorationChoice &choice = model.restoration; choice.network)
     restoration_.emplace(restoration_network(choice.network, header_.own_network), choice.step, spec.channels,
                          header_.width, header_.height, settings_.isa);
-  if (!model.coding.texture) return;
-  texture_ = std::move(model.coding.texture->cells);
-  for (const uint8_t log_size : texture_->log_size) ++facts_.texture_cells[log_size - kTextureLeast];
+}
+
+void TileRenderer::complete() {
+  if (texture_) texture_->wait();
+}
+
+TileFacts TileRenderer::facts() {
+  complete();
+  TileFacts facts = facts_;
+  if (!texture_) return facts;
+  facts.end = texture_->end();
+  for (const uint8_t log_size : texture_->cells().log_size) ++facts.texture_cells[log_size - kTextureLeast];
+  return facts;
 }
 
 int64_t TileRenderer::memory() const {
   int64_t bytes = gaussians_.memory() + bytes_of(base_);
   if (rescaled_) bytes += rescaled_->gaussians.memory();
   if (whole_) bytes += bytes_of(whole_->samples);
-  if (texture_)
-    bytes += bytes_of(texture_->corner) + bytes_of(texture_->log_size) + bytes_of(texture_->amplitudes) +
-             bytes_of(texture_->waves) + texture_->amplitude_count * int64_t(sizeof(float));
+  if (texture_ && texture_->is_complete()) {
+    const TextureCells &cells = texture_->cells();
+    bytes += bytes_of(cells.corner) + bytes_of(cells.log_size) + bytes_of(cells.amplitudes) + bytes_of(cells.waves) +
+             cells.amplitude_count * int64_t(sizeof(float));
+  }
   const Mask *before = nullptr;
   for (const BandMask &mask : masks_) {
     if (mask.pixels && mask.pixels.get() != before) bytes += mask.pixels->memory();
@@ -110,12 +129,14 @@ void TileRenderer::draw(const PictureView &view, int64_t x, int64_t y, const Pix
                         const SampleFormat &format, int threads) {
   const Whole *known = whole(view, threads);
   const int64_t left = known ? x - known->left : -1, top = known ? y - known->top : -1;
-  if (left < 0 || top < 0 || left > known->columns - block.columns || top > known->rows - block.rows)
-    return draw_blocks(view, x, y, block, format, threads);
-  const int channels = header_.spec.channels;
-  for (int64_t row = 0; row < block.rows; ++row)
-    format.store(&known->samples[((top + row) * known->columns + left) * channels],
-                 format.part(block, 0, row, block.columns, 1), 1);
+  const int64_t channels = header_.spec.channels;
+  if (left >= 0 && top >= 0 && left <= known->columns - block.columns && top <= known->rows - block.rows)
+    for (int64_t row = 0; row < block.rows; ++row)
+      format.store(&known->samples[((top + row) * known->columns + left) * channels],
+                   format.part(block, 0, row, block.columns, 1), 1);
+  else
+    draw_blocks(view, x, y, block, format, threads);
+  complete();  // what is wrong with the rest of the payload is said now
 }
 
 // What a reduced view shows of the tile, if that is little.
@@ -150,17 +171,19 @@ void TileRenderer::draw_blocks(const PictureView &view, int64_t x, int64_t y, co
   if (restores) most = std::min(most, std::max(kBand, kBandOfThread * resolve_threads(threads)));
   const int64_t width = restores ? restoration_->block_columns(block.columns)
                                  : std::min(block.columns, int64_t(std::ceil(4 * std::sqrt(double(most)))));  // flat
-  const int64_t height = std::max<int64_t>(1, most / (width * header_.spec.channels));
   Restored tools{{Rasterizer(settings_.isa, threads, kMaxPairs), gaussians_, 0, 0}, tools_for(view, threads)};
-  for (int64_t top = 0; top < block.rows; top += height)
+  for (int64_t top = 0, height; top < block.rows; top += height) {
+    const bool arrives = texture_ && !texture_->is_complete() && resolve_threads(threads) > 1;
+    height = std::max<int64_t>(1, (arrives ? std::min(most, kBandArriving) : most) / (width * header_.spec.channels));
+    height = std::min(height, block.rows - top);
     for (int64_t left = 0; left < block.columns; left += width) {
-      const PixelBlock part =
-          format.part(block, left, top, std::min(width, block.columns - left), std::min(height, block.rows - top));
+      const PixelBlock part = format.part(block, left, top, std::min(width, block.columns - left), height);
       if (restores)
         draw_restored(tools, view, x + left, y + top, part, format, threads);
       else
         draw_block(tools.shown, view, x + left, y + top, part.columns, part.rows, format.samples(part), threads);
     }
+  }
 }
 
 void TileRenderer::draw_restored(Restored &tools, const PictureView &view, int64_t x, int64_t y,
@@ -194,6 +217,13 @@ TilePlanes<T> TileRenderer::draw_channels(Tools &tools, KeptFloats &memory, cons
   return {planes, block};
 }
 
+// Rows of the tile of which an axis shows texture, from its first on.
+int64_t TileRenderer::rows_seen(const OutputAxis &down) const {
+  if (down.scale < 1) return header_.height;  // what pixels see depends on their size
+  const double last = down.centre(down.count - 1) + kTextureOverlap;
+  return int64_t(std::clamp(std::floor(last) + 1, 0.0, double(header_.height)));
+}
+
 OutputAxis TileRenderer::across(const PictureView &view, int64_t x, int64_t count) const {
   return {view.x - double(place_.x), view.sx, x, count};
 }
@@ -221,17 +251,9 @@ void TileRenderer::draw_block(Tools &tools, const PictureView &view, int64_t x, 
   std::optional<TextureDrawing> texture;
   GroupPlanes planes;
   if (texture_) {
-    const Texture all{texture_->corner.data(),
-                      texture_->log_size.data(),
-                      texture_->amplitudes.data(),
-                      texture_->waves.data(),
-                      int64_t(texture_->log_size.size()),
-                      spec.channels,
-                      header_.width,
-                      header_.height};
     const TextureBlocks groups{crop.x0 - crop.tile_x0() * kTileWidth, crop.y0 - crop.tile_y0() * kTileHeight,
                                kGroupWidth, kGroupHeight, kGroupStride};
-    texture.emplace(all, across, down, groups, settings_.isa);
+    texture.emplace(texture_->first_rows(rows_seen(down)), across, down, groups, settings_.isa);
     planes = [&](int64_t column, int64_t row, float *to) { return texture->draw(column, row, to); };
   }
   try {

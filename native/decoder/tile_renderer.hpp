@@ -9,6 +9,7 @@
 
 #include "base/kept_floats.hpp"
 #include "bitstream/tile.hpp"
+#include "decoder/arriving_texture.hpp"
 #include "decoder/samples.hpp"
 #include "decoder/view.hpp"
 #include "model/restoration.hpp"
@@ -29,25 +30,27 @@ struct DecoderSettings {
 // What is known of a decoded tile besides what it draws.
 struct TileFacts {
   int64_t seeds = 0;
-  std::array<double, kParts> bits{};
   int64_t mask_bytes = 0;  // of its number, masks and exact samples
-  uint32_t symbol_crc = 0;
+  TileEnd end;
   int64_t texture_cells[3] = {};  // of sides 8, 16, 32
 };
 
-// Reads the payload of a chunk T, on other threads than the settings say. Throws Error: corrupt, limit. The settings
-// must outlive it. Not safe for use by two threads at once.
+// Reads the payload of a chunk T, on other threads than the settings say. Texture may come last, while the tile is
+// drawn: what needs it waits for it, and throws what was wrong with it. Throws Error: corrupt, limit. The settings must
+// outlive it. Not safe for use by two threads at once.
 class TileRenderer {
  public:
-  TileRenderer(const Header &header, Bytes payload, int threads, const DecoderSettings &settings);
+  TileRenderer(const Header &header, std::vector<uint8_t> payload, int threads, const DecoderSettings &settings);
 
+  // Waits until all of it is read.
+  void complete();
   // Does what `draw` would have to do first.
   void prepare(const PictureView &view, int threads);
   // Draws output pixels from (x, y) of the view on.
   void draw(const PictureView &view, int64_t x, int64_t y, const PixelBlock &block, const SampleFormat &format,
             int threads);
 
-  const TileFacts &facts() const { return facts_; }
+  TileFacts facts();
   bool is_empty() const { return is_empty_; }
   // Which of its pixels hold nothing: one mask for all bands, one for each colour, or none where all hold something.
   const std::vector<BandMask> &masks() const { return masks_; }
@@ -85,7 +88,7 @@ class TileRenderer {
     KeptFloats drawn = {}, planes = {};
   };
 
-  void take(TileModel model, int threads);
+  void take(const TileModel &model, int threads);
   const Whole *whole(const PictureView &view, int threads);
   void draw_blocks(const PictureView &view, int64_t x, int64_t y, const PixelBlock &block, const SampleFormat &format,
                    int threads);
@@ -98,6 +101,7 @@ class TileRenderer {
   // The same with the correction of restoration.
   void draw_restored(Restored &tools, const PictureView &view, int64_t x, int64_t y, const PixelBlock &block,
                      const SampleFormat &format, int threads) const;
+  int64_t rows_seen(const OutputAxis &down) const;
   OutputAxis across(const PictureView &view, int64_t x, int64_t count) const;
   OutputAxis down(const PictureView &view, int64_t y, int64_t count) const;
   Tools tools_for(const PictureView &view, int threads);
@@ -112,7 +116,7 @@ class TileRenderer {
   TileFacts facts_;
   GaussianSet gaussians_;
   std::vector<double> base_;
-  std::optional<TextureCells> texture_;
+  std::unique_ptr<ArrivingTexture> texture_;
   std::optional<Restoration> restoration_;
   std::optional<Rescaled> rescaled_;
   std::optional<Whole> whole_;

@@ -10,7 +10,7 @@ __all__ = ["Survey", "survey_of"]
 
 _PARTS = (
     *("steps", "base", "positions", "decoders", "hash grid", "context model"),
-    *("colour", "shape", "feature", "scales", "offset", "texture", "restoration", "check"),
+    *("colour", "shape", "feature", "scales", "offset", "restoration", "texture", "check"),
 )
 _CELLS = (8, 16, 32)
 

@@ -103,12 +103,12 @@ def write_tile(header: Header, model: TileModel) -> tuple[bytes, SymbolWriter]:
     with writer.part("context model"):
         write_networks(writer, spec, model.networks)
     write_attributes(writer, quantise(header, model))
-    if spec.texture:
-        with writer.part("texture"):
-            write_texture(writer, size, spec.channels, model.texture)
     if spec.restoration:
         with writer.part("restoration"):
             write_restoration(writer, model.restoration)
+    if spec.texture:
+        with writer.part("texture"):
+            write_texture(writer, size, spec.channels, model.texture)
     payload = writer.finish()  # ends with the CRC of all symbols
     seeds = len(model.layout)
     if seeds > max_seeds(spec, *size, len(payload)):

@@ -19,6 +19,7 @@ from sgicodec.bitstream.parts.prior import load_prior
 from sgicodec.bitstream.parts.texture import write_texture
 from sgicodec.bitstream.parts.tile import TileModel
 from sgicodec.decoder.stream import open_stream
+from sgicodec.device import Device
 from sgicodec.errors import CorruptStreamError, StreamError
 from sgicodec.model.layout import SeedLayout
 from sgicodec.model.steps import default_plan
@@ -93,3 +94,13 @@ def test_changed_bits_of_texture_are_found(coded: Any) -> None:
         changed = join([*parts[:3], ("T", flipped(payload, bit)), parts[4]])
         with pytest.raises(StreamError):
             open_stream(changed).picture()
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_what_is_wrong_below_a_region_is_said(monkeypatch: pytest.MonkeyPatch, threads: int) -> None:
+    """Rows are drawn while those below are read: a view ends only when all of them are."""
+    bits = LEAF + "1" * 5000
+    with open_stream(forged(monkeypatch, bits, 32, 4096, 1), Device(threads)) as stream:
+        for _ in range(2):
+            with pytest.raises(CorruptStreamError, match="texture"):
+                stream.render((0, 0, 32, 8))
