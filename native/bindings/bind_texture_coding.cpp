@@ -115,8 +115,9 @@ class TextureModels {
   }
 
   auto logits() const {
-    const std::vector<uint32_t> &all = models_.logits();
-    return as_array<int32_t>(std::vector<int32_t>(all.begin(), all.end()), std::array{all.size()});
+    std::vector<int32_t> all = models_.logits();
+    const std::array shape{all.size()};
+    return as_array<int32_t>(std::move(all), shape);
   }
 
   void learn(LogSizes log_size, Contrasts contrast, SymbolPlanes symbols, Size size, bool has_contrast) {

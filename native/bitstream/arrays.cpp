@@ -5,8 +5,8 @@
 #include <string>
 
 #include "base/error.hpp"
+#include "bitstream/bit_model.hpp"
 #include "bitstream/frequency_tables.hpp"
-#include "bitstream/mixed_models.hpp"
 
 namespace sgi {
 namespace {
@@ -33,9 +33,9 @@ template <class Bits>
 bool code_signs(Bits &bits, const std::vector<int64_t> &counts, std::vector<int32_t> &signs) {
   auto sign = signs.begin();
   for (const int64_t count : counts) {
-    BitModel model{kCertain / 2, 0};
+    BitModel model;
     for (int64_t i = 0; i < count; ++i)
-      if (!code_alone(bits, model, *sign++)) return false;
+      if (!code_bit(bits, model, kSteady, *sign++)) return false;
   }
   return true;
 }

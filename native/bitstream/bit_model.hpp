@@ -1,47 +1,74 @@
-// A model of single bits that adapts, and the tables of all such models (docs/format.md, "Bits"). All integers.
+// Models of single bits that adapt (docs/format.md, "Bits"): the logit of a bit is the sum of what its models say. All
+// integers.
 #pragma once
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdint>
 
 namespace sgi {
 
 constexpr int kCertain = 65536;      // a probability of 1
-constexpr int kLogits = 4096;        // of probabilities in 2^-12
+constexpr int kLeastP = 16;          // the least that models give
+constexpr int kLeastError = 17;      // that of bits which are as certain as models say
 constexpr int kLogisticHalf = 3072;  // logits beyond are clipped
-constexpr int kSeenLimit = 150;      // of the bits that a model counts
+constexpr int kCosts = 4096;         // of probabilities in 2^-12
 
-// P(1) in 2^-16, and how many bits the model has seen, up to a limit.
-struct BitModel {
-  uint16_t probability;
-  uint8_t seen;
-};
+// How many bits a model counts at most: the fewer, the faster it follows what changes.
+constexpr uint32_t kSteady = 511, kQuick = 80;
 
 // What the arithmetic of bits reads. No value that is rounded lies nearer to a half than 10^-5, so that every
 // mathematical library gives the same integers.
 struct BitTables {
   BitTables();
-  std::array<int16_t, kLogits> logit;                // 256 log(p / (1 - p)) for p = (index + 1/2) / 4096
   std::array<uint16_t, 2 * kLogisticHalf> logistic;  // 65536 / (1 + exp(-x / 256)), x = index - 3072; 16 ... 65519
-  std::array<int32_t, kSeenLimit + 1> rate;          // 65536 / (bits seen + 1.6)
-  std::array<float, kLogits + 1> cost;               // bits, by P(bit) in 2^-12
+  std::array<int32_t, kSteady + 1> rate;             // 65536 * 6 / (bits seen + 16)
+  std::array<float, kCosts + 1> cost;                // bits, by P(bit) in 2^-12
 };
 extern const BitTables kBitTables;
 
-// P(1) in 2^-16 of a logit in 2^-8.
-inline int32_t probability_of(int32_t logit) {
+// What one context says of a bit: a part of its logit in 2^-16, above ten bits that count those it has seen.
+struct BitModel {
+  static constexpr int kCountBits = 10;
+
+  uint32_t word = 0;  // logits modulo 2^22, so that no stream can make them overflow
+
+  // Moves by a share of the error, bit - P(1) in 2^-16, that falls with the bits that it has seen. Not from the least
+  // errors: what comes a million times would leave the range of logits.
+  void learn(int32_t error, uint32_t limit) {
+    if (error >= -kLeastError && error <= kLeastError) return;
+    const uint32_t seen = word & ((1 << kCountBits) - 1);
+    move((error * kBitTables.rate[seen] + (1 << 15)) >> 16);
+    word += seen < limit;
+  }
+  void move(int32_t logit) { word += uint32_t(logit) << kCountBits; }
+};
+
+// P(1) in 2^-16 by the sum of the words of some models; what they count together is too little to matter.
+inline int32_t probability_of(uint32_t words) {
+  const int32_t logit = int32_t(words) >> (BitModel::kCountBits + 8);
   return kBitTables.logistic[size_t(std::clamp(logit, -kLogisticHalf, kLogisticHalf - 1) + kLogisticHalf)];
 }
 
-// Moves a model towards a bit that it has seen, the less the more it has seen.
-inline void adapt(BitModel &model, int bit) {
-  const uint32_t far = bit ? kCertain - 1 - model.probability : model.probability;
-  const uint32_t step = (far * uint32_t(kBitTables.rate[model.seen]) + (bit ? 0u : 0xffffu)) >> 16;
-  model.probability = uint16_t(bit ? model.probability + step : model.probability - step);
-  model.seen = uint8_t(model.seen + (model.seen < kSeenLimit));
+// Codes a bit under models, which learn. False where `bits` has none.
+template <class Bits, size_t N>
+bool code_bit(Bits &bits, const std::array<BitModel *, N> &models, uint32_t limit, int &bit) {
+  uint32_t words = 0;
+  for (const BitModel *model : models) words += model->word;
+  const int32_t one = probability_of(words);
+  if (!bits.code(one, bit)) return false;
+  const int32_t error = bit * kCertain - one;
+  for (BitModel *model : models) model->learn(error, limit);
+  return true;
+}
+
+// The same of one model.
+template <class Bits>
+bool code_bit(Bits &bits, BitModel &model, uint32_t limit, int &bit) {
+  return code_bit(bits, std::array<BitModel *, 1>{&model}, limit, bit);
 }
 
 // Information content of a bit, from the table of its probability's first twelve bits: for decisions, not for accounts.
-inline float bit_cost(int32_t one, int bit) { return kBitTables.cost[(bit ? one : kCertain - one) >> 4]; }
+inline float bit_cost(int32_t one, int bit) { return kBitTables.cost[size_t((bit ? one : kCertain - one) >> 4)]; }
 
 }  // namespace sgi

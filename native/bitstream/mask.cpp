@@ -4,7 +4,7 @@
 #include <string>
 
 #include "base/error.hpp"
-#include "bitstream/mixed_models.hpp"
+#include "bitstream/bit_model.hpp"
 #include "bitstream/symbol_reader.hpp"
 
 namespace sgi {
@@ -53,8 +53,8 @@ class MaskCoding {
   static constexpr int kLog = Mask::kLogSide, kSmall = 1 << kLog, kLarge = 1 << 2 * kLog;
   enum State { kClearState, kSetState, kMixedState, kUnknownState };
   // Of pixels: models by 4, 6, 10 and 8 pixels around, whose numbers follow each other.
-  static constexpr std::array<uint32_t, MixedModels::kMixed> kFirst{0, 16, 16 + 64, 16 + 64 + 1024};
-  static constexpr uint32_t kModels = kFirst[3] + 256, kSets = 16;
+  static constexpr std::array<uint32_t, 4> kFirst{0, 16, 16 + 64, 16 + 64 + 1024};
+  static constexpr uint32_t kModels = kFirst[3] + 256;
   // What is known around a square of 16 pixels: two rows above, three columns to each side.
   static constexpr int kAbove = 2, kBeside = 3, kStride = kSmall + 2 * kBeside;
   using Window = std::array<std::array<uint8_t, kStride>, kAbove + kSmall>;
@@ -122,8 +122,7 @@ class MaskCoding {
       uint8_t *const at = window[size_t(row + kAbove)].data() + kBeside;
       for (int64_t column = 0; column < columns; ++column) {
         int bit = given_ ? given_[(y + row) * mask_.width_ + x + column] != 0 : 0;
-        const MixedModels::Context context = context_of(at + column);
-        if (!models_.code(bits_, context, 0, bit)) return false;
+        if (!code_bit(bits_, models_of(at + column), kQuick, bit)) return false;
         flags.push_back(bit);
         at[column] = uint8_t(bit);
         has_both |= before >= 0 && bit != before;
@@ -135,21 +134,20 @@ class MaskCoding {
     return true;
   }
 
-  static MixedModels::Context context_of(const uint8_t *at) {
+  std::array<BitModel *, 4> models_of(const uint8_t *at) {
     const auto bits = [&](int row, int first, int last) {
       uint32_t all = 0;
       for (int column = first; column <= last; ++column) all = 2 * all + at[row * kStride + column];
       return all;
     };
     const uint32_t four = 2 * bits(-1, -1, 1) + bits(0, -1, -1);
-    return {{kFirst[0] + four, kFirst[1] + 4 * four + 2 * bits(0, -2, -2) + bits(-2, 0, 0),
-             kFirst[2] + (bits(-2, -1, 1) << 7 | bits(-1, -2, 2) << 2 | bits(0, -2, -1)),
-             kFirst[3] + 2 * bits(-1, -3, 3) + bits(0, -1, -1)},
-            four};
+    return {&models_[kFirst[0] + four], &models_[kFirst[1] + 4 * four + 2 * bits(0, -2, -2) + bits(-2, 0, 0)],
+            &models_[kFirst[2] + (bits(-2, -1, 1) << 7 | bits(-1, -2, 2) << 2 | bits(0, -2, -1))],
+            &models_[kFirst[3] + 2 * bits(-1, -3, 3) + bits(0, -1, -1)]};
   }
 
   bool alone(uint32_t model, int &flag) {
-    if (!code_alone(bits_, states_[model], flag)) return false;
+    if (!code_bit(bits_, states_[model], kQuick, flag)) return false;
     flags.push_back(flag);
     return true;
   }
@@ -158,8 +156,7 @@ class MaskCoding {
   Mask &mask_;
   const uint8_t *given_;
   int64_t most_;
-  std::vector<BitModel> states_ = std::vector<BitModel>(1024, BitModel{kCertain / 2, 0});
-  MixedModels models_{kModels, kSets};
+  std::vector<BitModel> states_ = std::vector<BitModel>(1024), models_ = std::vector<BitModel>(kModels);
 };
 
 int64_t max_mixed(int64_t payload_bytes) { return kFreeMixed + kMixedPerByte * payload_bytes; }

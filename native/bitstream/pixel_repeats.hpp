@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "bitstream/mixed_models.hpp"
+#include "bitstream/bit_model.hpp"
 
 namespace sgi {
 
@@ -16,8 +16,8 @@ class PixelRepeats {
  public:
   PixelRepeats(int64_t width, int64_t height, Bits &bits)
       : width_(width), stride_(width + 2 * kPad), around_(size_t((height + kPad) * stride_)),
-        far_(size_t(1) << kTableBits), near_(size_t(1) << kTableBits), models_(kModels, kSets),
-        chances_(size_t(kSources * kTimes * kPatterns), kUnknown), bits_(bits) {}
+        far_(size_t(1) << kTableBits), near_(size_t(1) << kTableBits), models_(kModels),
+        chances_(size_t(kSources * kTimes * kPatterns)), bits_(bits) {}
 
   // Codes which pixel the next one, at (y, x), repeats: its number, or -1 if none or where nothing is coded.
   // is_equal(number) says whether it repeats that one. False where bits end.
@@ -25,7 +25,7 @@ class PixelRepeats {
   bool code(int64_t y, int64_t x, const IsEqual &is_equal, int64_t &found) {
     found = -1;
     look(y, x);
-    if (!count_ || chance_->probability <= (is_graphic_ ? kLeastInGraphics : kLeast)) return true;
+    if (!count_ || probability_of(chance_->word) <= (is_graphic_ ? kLeastInGraphics : kLeast)) return true;
     for (int rank = 0; rank < count_; ++rank) {
       int is_hit = is_equal(candidates_[size_t(rank)].number);
       if (!code_hit(y, x, rank, is_hit)) return false;
@@ -51,9 +51,9 @@ class PixelRepeats {
     if (count_) {
       const bool is_hit = std::any_of(candidates_.begin(), candidates_.begin() + count_,
                                       [&](const Candidate &candidate) { return candidate.colour == colour; });
-      adapt(*chance_, is_hit), adapt(usual_, is_hit);
+      note(*chance_, is_hit), note(usual_, is_hit);
     } else if (is_odd()) {
-      adapt(usual_, 0);
+      note(usual_, 0);
     }
     if (!is_graphic_) return;
     for (Seen *seen : {&seen_far(), &seen_near()}) {
@@ -68,13 +68,13 @@ class PixelRepeats {
   static constexpr int kPad = 2, kMost = 5;  // candidates
   static constexpr int kTableBits = 16, kHashBits = 15, kTimesLimit = 8;
   static constexpr uint32_t kSources = 6, kTimes = 64, kPatterns = 64, kHits = 7 * 7 * 7 * 7;
-  static constexpr std::array<uint32_t, 3> kFirst{kMost * kSources * kTimes, kMost * (kSources * kTimes + kPatterns),
-                                                  kMost * (kSources * kTimes + kPatterns) + (1u << kHashBits)};
-  static constexpr uint32_t kModels = kFirst[2] + kMost * kHits, kSets = kMost * kSources * kPatterns;
+  static constexpr std::array<uint32_t, 4> kFirst{kMost * kSources * kTimes, kMost * (kSources * kTimes + kPatterns),
+                                                  kMost * (kSources * kTimes + kPatterns) + (1u << kHashBits),
+                                                  kMost * (kSources * kTimes + kPatterns + kHits) + (1u << kHashBits)};
+  static constexpr uint32_t kModels = kFirst[3] + kMost * kSources * kPatterns;
   // Where more pixels than that are hit, as in text, tables serve. A hit that is less likely is not coded, there and
   // elsewhere.
-  static constexpr uint32_t kGraphic = 30000, kLeastInGraphics = 2000, kLeast = 40000;
-  static constexpr BitModel kUnknown{kCertain / 2, 0};
+  static constexpr int32_t kGraphic = 30000, kLeastInGraphics = 2000, kLeast = 40000;
 
   // What is known of a pixel: its colour, and which candidate it was from 1 on, kMost + 1 for none; 0: not asked.
   struct Around {
@@ -114,7 +114,7 @@ class PixelRepeats {
     pattern_ = uint32_t(w == n) | uint32_t(w == nw) << 1 | uint32_t(n == ne) << 2 | uint32_t(n == nw) << 3 |
                uint32_t(w == ww) << 4 | uint32_t(n == nn) << 5;
     hit_ = 0, count_ = 0, times_ = 0;
-    is_graphic_ = usual_.probability > kGraphic;
+    is_graphic_ = probability_of(usual_.word) > kGraphic;
     if (is_odd()) return;
     if (is_graphic_) hash(here);
     const Seen &far = seen_far(), &near = seen_near();
@@ -144,6 +144,10 @@ class PixelRepeats {
     for (const auto &[down, across] : far) far_hash_ = mixed(far_hash_, here[down * stride_ + across].colour);
   }
 
+  static void note(BitModel &chance, int is_hit) {
+    chance.learn(is_hit * kCertain - probability_of(chance.word), kSteady);
+  }
+
   // Adds a pixel whose colour no other candidate has.
   void add(int32_t number, uint32_t colour, uint32_t source) {
     if (number < 0 || count_ == kMost) return;
@@ -160,19 +164,19 @@ class PixelRepeats {
     const auto number = uint32_t(rank);
     const uint32_t from = number * kSources + candidates_[size_t(rank)].source;
     const uint32_t alike = number * kPatterns + pattern_;
-    const MixedModels::Context context{
-        {from * kTimes + times_, kFirst[0] + alike, kFirst[1] + (mixed(near_hash_, number) >> (32 - kHashBits)),
-         kFirst[2] + number * kHits + hits},
-        from * kPatterns + pattern_};
-    return models_.code(bits_, context, 0, is_hit);
+    const std::array models{&models_[from * kTimes + times_], &models_[kFirst[0] + alike],
+                            &models_[kFirst[1] + (mixed(near_hash_, number) >> (32 - kHashBits))],
+                            &models_[kFirst[2] + number * kHits + hits],
+                            &models_[kFirst[3] + from * kPatterns + pattern_]};
+    return code_bit(bits_, models, kQuick, is_hit);
   }
 
   const int64_t width_, stride_;
   std::vector<Around> around_;
   std::vector<Seen> far_, near_;  // under hashes of twelve pixels around, and of six
-  MixedModels models_;
+  std::vector<BitModel> models_;
   std::vector<BitModel> chances_;  // that a pixel is one of its candidates
-  BitModel usual_ = kUnknown;      // the same of all pixels
+  BitModel usual_;                 // the same of all pixels
   Bits &bits_;
   // Of the pixel that was looked at last:
   std::array<Candidate, kMost> candidates_;

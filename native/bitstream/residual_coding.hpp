@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "bitstream/mixed_models.hpp"
+#include "bitstream/bit_model.hpp"
 #include "bitstream/pixel_repeats.hpp"
 #include "bitstream/residual_channel.hpp"
 #include "bitstream/residual_context.hpp"
@@ -61,11 +61,9 @@ class ResidualCoding {
 
   // The models of a channel.
   struct Models {
-    MixedModels mixed{kResidualModels, kResidualSpreads * kResidualNodes};
+    std::vector<BitModel> summed = std::vector<BitModel>(kResidualModels);
     // Of the bits below a distance's unit, by its side, the unit, the runs before, and the bits before.
     std::array<BitModel, (2 * kSizes * kLengths) << kModelledBits> low;
-
-    Models() { low.fill({kCertain / 2, 0}); }
   };
 
   // What a value's bits are coded by.
@@ -162,7 +160,10 @@ class ResidualCoding {
   }
 
   bool bit(const Coded &coded, int node, int &value) {
-    return coded.models.mixed.code(bits_, coded.context.models, uint32_t(node), value);
+    std::array<BitModel *, kResidualContexts.size()> models;
+    for (size_t i = 0; i < models.size(); ++i)
+      models[i] = &coded.models.summed[coded.context.models[i] + uint32_t(node)];
+    return code_bit(bits_, models, kSteady, value);
   }
 
   // A value in steps from the middle: on which side of the prediction, then how far.
@@ -199,7 +200,8 @@ class ResidualCoding {
     int32_t known = 0;
     for (int place = size - 1, depth = 0; place >= 0; --place, ++depth) {
       int next = rest >> place & 1;
-      if (depth < kModelledBits ? !code_alone(bits_, models[(1 << depth) + known], next) : !bits_.code(kEvenOdds, next))
+      if (!(depth < kModelledBits ? code_bit(bits_, models[(1 << depth) + known], kSteady, next)
+                                  : bits_.code(kEvenOdds, next)))
         return false;
       known = known * 2 + next;
     }

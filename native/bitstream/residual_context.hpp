@@ -5,14 +5,13 @@
 #include <cstdint>
 #include <vector>
 
-#include "bitstream/mixed_models.hpp"
+#include "bitstream/bit_model.hpp"
 #include "bitstream/residual_channel.hpp"
 
 namespace sgi {
 
-constexpr int kResidualNodes = 16;    // bits of a value that have models of their own; one is not in use
-constexpr int kResidualSpreads = 16;  // classes of spread that have weights of their own
-constexpr std::array<uint32_t, MixedModels::kMixed> kResidualContexts{2048, 128, 1248, 1248};
+constexpr int kResidualNodes = 16;  // bits of a value that have models of their own; one is not in use
+constexpr std::array<uint32_t, 5> kResidualContexts{2048, 128, 1248, 1248, 16};
 constexpr uint32_t kResidualModels = [] {
   uint32_t contexts = 0;
   for (const uint32_t count : kResidualContexts) contexts += count;
@@ -29,9 +28,9 @@ struct Predicted {
 };
 
 struct ResidualContext {
-  MixedModels::Context models;     // of node 0
-  std::array<int32_t, 2> guesses;  // values that this one often has exactly
-  int32_t spread;                  // how large the error is expected to be, in sixteenths of a step
+  std::array<uint32_t, kResidualContexts.size()> models;  // of node 0
+  std::array<int32_t, 2> guesses;                         // values that this one often has exactly
+  int32_t spread;  // how large the error is expected to be, in sixteenths of a step
 };
 
 // Finds the context of the value of a channel at a column.
@@ -46,17 +45,16 @@ class ResidualContexts {
     const int32_t near = nearby(), spread = before_ ? (10 * near + 3 * before + 3 * earlier) / 16 : near;
     const uint32_t coarse = size_class(spread, 1, 32);
     const Guess copy = copied(), move = moved(copy.value);
-    const std::array<uint32_t, MixedModels::kMixed> numbers{
+    const std::array<uint32_t, kResidualContexts.size()> numbers{
         (coarse * kLevels + size_class(before / 4, 0, kLevels)) * kLevels + size_class(earlier / 4, 0, kLevels),
         uint32_t(predicted.middle >> own_.scale) * 8 + std::min(coarse / 2, 7u), guessed(copy, 0, predicted),
-        guessed(move, 1, predicted)};
+        guessed(move, 1, predicted), size_class(spread, 0, kResidualContexts.back())};
     ResidualContext found{{}, {copy.value, move.value}, spread};
     uint32_t start = 0;
     for (size_t i = 0; i < numbers.size(); ++i) {
-      found.models.model[i] = (start + numbers[i]) * kResidualNodes;
+      found.models[i] = (start + numbers[i]) * kResidualNodes;
       start += kResidualContexts[i];
     }
-    found.models.weights = size_class(spread, 0, kResidualSpreads) * kResidualNodes;
     return found;
   }
 

@@ -5,7 +5,6 @@
 #include <cstdlib>
 #include <cstring>
 
-#include "bitstream/mixed_models.hpp"
 
 namespace sgi {
 
@@ -113,7 +112,7 @@ bool GridRest<Bits>::code_bits(Channel &channel, float found, float &sample) {
   for (; known < kLengths - 1; ++known) {
     BitModel &model = channel.lengths[size_t(channel.length * kLengths + known)];
     int more = known < length;
-    if (!code_alone(bits_, model, more)) return false;
+    if (!code_bit(bits_, model, kSteady, more)) return false;
     if (!more) break;
   }
   channel.length = known;

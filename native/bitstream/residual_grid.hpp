@@ -64,7 +64,7 @@ class GridRest {
   struct Channel {
     int32_t nodata = -1;  // the value that would stand for it, if any may be off
     int length = 0;       // of the last distance
-    std::vector<BitModel> lengths = std::vector<BitModel>(size_t(kLengths) * kLengths, BitModel{kCertain / 2, 0});
+    std::vector<BitModel> lengths = std::vector<BitModel>(size_t(kLengths) * kLengths);
   };
 
   bool code_side(const Channel &channel, const ResidualGrid &grid, float sample, int32_t &value);

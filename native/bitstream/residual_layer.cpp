@@ -54,14 +54,13 @@ void read_palette(Bytes start, size_t &at, ResidualForm &form) {
 template <class Bits>
 bool code_cells(const ResidualBlock &block, Bits &bits, std::vector<uint8_t> &cells) {
   const auto across = size_t(block.cells_across());
-  BitModel models[8];
-  std::fill(std::begin(models), std::end(models), BitModel{kCertain / 2, 0});
+  std::array<BitModel, 8> models;
   for (size_t i = 0; i < cells.size(); ++i) {
     const size_t x = i % across;
     const bool left = x && cells[i - 1], above = i >= across && cells[i - across];
     const bool above_right = i >= across && x + 1 < across && cells[i - across + 1];
     int bit = cells[i];
-    if (!code_alone(bits, models[left + 2 * above + 4 * above_right], bit)) return false;
+    if (!code_bit(bits, models[size_t(left + 2 * above + 4 * above_right)], kQuick, bit)) return false;
     cells[i] = uint8_t(bit);
   }
   return true;

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "bitstream/mixed_models.hpp"
+#include "bitstream/bit_model.hpp"
 #include "bitstream/seed_tree.hpp"
 
 namespace sgi {
@@ -42,8 +42,8 @@ class TreeCoding {
  private:
   enum Flag : uint32_t { kSplitFlag, kLeafSeed, kSplitSeed, kFlags };
   static constexpr uint32_t kKinds = kRootLevel * kFlags;
-  static constexpr std::array<uint32_t, MixedModels::kMixed> kContexts{64, 144, 8, 160};  // of each kind of flag
-  static constexpr uint32_t kModels = kKinds * (kContexts[0] + kContexts[1] + kContexts[2] + kContexts[3]);
+  static constexpr std::array<uint32_t, 4> kContexts{64, 144, 8, 160};  // of each kind of flag; and one of all
+  static constexpr uint32_t kModels = kKinds * (kContexts[0] + kContexts[1] + kContexts[2] + kContexts[3] + 1);
 
   // What is known before the flags of a node are coded.
   struct Surroundings {
@@ -70,14 +70,15 @@ class TreeCoding {
     const uint32_t kind = uint32_t(level - kMinLevel) * kFlags + which;
     const uint32_t alike = which == kSplitFlag ? around.split : around.seeds;
     const uint32_t others = which == kSplitFlag ? around.seeds : around.split;
-    const std::array<uint32_t, MixedModels::kMixed> within{
-        alike * 4 + std::min(3, __builtin_popcount(others)), around.parents * 4 + around.child,
-        uint32_t(around.is_occupied) * 4 + around.child, around.beside};
-    MixedModels::Context context{{}, kind};
+    const std::array<uint32_t, kContexts.size()> within{alike * 4 + std::min(3, __builtin_popcount(others)),
+                                                        around.parents * 4 + around.child,
+                                                        uint32_t(around.is_occupied) * 4 + around.child, around.beside};
+    std::array<BitModel *, kContexts.size() + 1> models;
     uint32_t first = 0;
     for (size_t i = 0; i < within.size(); first += kKinds * kContexts[i++])
-      context.model[i] = first + kind * kContexts[i] + within[i];
-    if (!models_.code(bits_, context, 0, value)) return false;
+      models[i] = &models_[first + kind * kContexts[i] + within[i]];
+    models.back() = &models_[first + kind];
+    if (!code_bit(bits_, models, kQuick, value)) return false;
     flags.push_back(value);
     return true;
   }
@@ -115,7 +116,7 @@ class TreeCoding {
   Bits &bits_;
   TreeNodes &nodes_;
   const TreeNodes *given_;
-  MixedModels models_{kModels, kKinds};
+  std::vector<BitModel> models_ = std::vector<BitModel>(kModels);
 };
 
 }  // namespace sgi

@@ -6,8 +6,8 @@ import math
 from collections.abc import Callable
 
 import numpy as np
-from mixed_bits import Code, MixedModels, adapted
 from numpy.typing import NDArray
+from page_bits import QUICK, STEADY, BitModels, Code
 
 __all__ = ["block"]
 
@@ -43,13 +43,11 @@ def block(
 
 def _outside(height: int, width: int, code: Code) -> NDArray[np.bool_]:
     cells = np.zeros((-(-height // 16) + 1, -(-width // 16) + 2), int)  # with those above, left and right of all
-    models: dict[int, tuple[int, int]] = {}
+    models = BitModels()
     for y in range(1, cells.shape[0]):
         for x in range(1, cells.shape[1] - 1):
             context = cells[y, x - 1] + 2 * cells[y - 1, x] + 4 * cells[y - 1, x + 1]
-            p, seen = models.get(context, (32768, 0))
-            cells[y, x] = code(min(65520, max(16, p)))
-            models[context] = adapted(p, seen, cells[y, x])
+            cells[y, x] = models.bit(code, QUICK, context)
     return np.kron(cells[1:, 1:-1], np.ones((16, 16), int))[:height, :width, None] == 0
 
 
@@ -70,7 +68,7 @@ def _coded(
     held |= outside
     values = np.zeros((height, width, count), int)
     channels = [_Channel(k, shown[..., c], 2 * grids[c][3] + 1, grids[c][2]) for k, c in enumerate(order)]
-    models = [MixedModels() for _ in range(min(3, len(order)))]
+    models = [BitModels() for _ in range(min(3, len(order)))]
     repeats, solved = _Repeats(width, height), False
     is_exact = not any(most_off for *_, most_off in grids)
     for y in range(height):
@@ -133,15 +131,13 @@ def _of_rank(rank: int) -> np.float32:
 
 class _Distances:
     def __init__(self) -> None:
-        self.models: dict[tuple[int, int], tuple[int, int]] = {}
+        self.models = BitModels()
         self.length = 0
 
     def next(self, code: Code) -> int:
         length, more = 0, 1
         while length < 33 and more:
-            p, seen = self.models.get((self.length, length), (32768, 0))
-            more = code(min(65520, max(16, p)))
-            self.models[self.length, length] = adapted(p, seen, more)
+            more = self.models.bit(code, STEADY, (self.length, length))
             length += more
         self.length = length
         if not length:
@@ -159,9 +155,7 @@ class _Repeats:
         self.hits = np.zeros((height + 2, width + 4), int)
         self.far: dict[int, _Seen] = {}
         self.near: dict[int, _Seen] = {}
-        self.chances: dict[tuple[int, int, int], tuple[int, int]] = {}
-        self.all = (32768, 0)
-        self.models = MixedModels()
+        self.models, self.chances = BitModels(), BitModels()
 
     def code(self, y: int, x: int, is_coded: bool, code: Code) -> int | None:
         """The number of the pixel that this one repeats."""
@@ -172,7 +166,7 @@ class _Repeats:
         equal = [w == n, w == nw, n == ne, n == nw, w == ww, n == nn]
         alike = sum(1 << i for i, one in enumerate(equal) if one)
         self.places = [self.far.setdefault(far >> 16, _Seen()), self.near.setdefault(near >> 16, _Seen())]
-        is_graphic = self.all[0] > 30000
+        is_graphic = self.chances.p("all") > 30000
         if not is_graphic:
             self.places = []
         seen = [(place.last, place.before, min(7, place.times)) for place in self.places] or [(None, None, 0)] * 2
@@ -190,7 +184,7 @@ class _Repeats:
         if not self.candidates:
             return None
         self.chance = (found[0][2], 8 * times[0] + times[1], alike)
-        if self.chances.get(self.chance, (32768, 0))[0] <= (2000 if is_graphic else 40000):
+        if self.chances.p(self.chance) <= (2000 if is_graphic else 40000):
             return None
         digits = [self.hits[y + 2, x + 1], self.hits[y + 1, x + 2], self.hits[y + 1, x + 3], self.hits[y + 1, x + 1]]
         hits = int("".join(map(str, digits)), 7)
@@ -200,9 +194,10 @@ class _Repeats:
                 1920 + 64 * r + alike,
                 2240 + (_mixed([r], near) >> 17),
                 35008 + 2401 * r + hits,
+                47013 + 64 * (6 * r + source) + alike,
             ]
             self.hit = r + 1
-            if self.models.bit(code, numbers, 64 * (6 * r + source) + alike):
+            if self.models.bit(code, QUICK, *numbers):
                 return place
         self.hit = 6
         return None
@@ -215,10 +210,10 @@ class _Repeats:
         self.colours[y + 2, first:last], self.hits[y + 2, first:last] = colour, self.hit
         if self.candidates:
             is_hit = colour in [one for _, one, _ in self.candidates]
-            self.chances[self.chance] = adapted(*self.chances.get(self.chance, (32768, 0)), is_hit)
-            self.all = adapted(*self.all, is_hit)
+            self.chances.learn(is_hit, STEADY, self.chance)
+            self.chances.learn(is_hit, STEADY, "all")
         elif self.is_odd:
-            self.all = adapted(*self.all, 0)
+            self.chances.learn(0, STEADY, "all")
         for place in self.places:
             if place.last is not None and place.last[1] == colour:
                 place.times = min(8, place.times + 1)
@@ -297,9 +292,7 @@ class _Channel:
         plane = min(max(left + above - corner, min(left, above)), max(left, above))
         self.inputs.append(plane - self.d(y, x))
 
-    def sample(
-        self, channels: list[_Channel], y: int, x: int, known: int | None, models: MixedModels, code: Code
-    ) -> int:
+    def sample(self, channels: list[_Channel], y: int, x: int, known: int | None, models: BitModels, code: Code) -> int:
         k, v, j = self.k, y + 2, x + 2
         drawn, inputs = self.d(y, x), [*self.inputs, *(other.e[v, j] for other in channels[max(0, k - 2) : k])]
         total = 0.0
@@ -313,12 +306,13 @@ class _Channel:
         for i, (guess, kind) in enumerate(guesses):
             place = min(6, max(-6, self.steps(guess - middle))) + 6
             numbers.append((2176, 3424)[i] + ((place * 4 + kind) * 12 + self.doubt(i, v, j)) * 2 + (f >= 0))
+        numbers.append(4672 + _size(spread, 0, 16))
 
         def coded(node: int) -> int:
-            return models.bit(code, [16 * number + node for number in numbers], 16 * _size(spread, 0, 16) + node)
+            return models.bit(code, STEADY, *(16 * number + node for number in numbers))
 
         def digit(*context: int) -> int:
-            return models.alone(code, context)
+            return models.bit(code, STEADY, context) if context else code(32768)
 
         found = self.steps_coded(coded, digit, middle, f, spread) if known is None else known
         self.learn([*inputs, found - drawn], spread)

@@ -221,8 +221,8 @@ class TextureReader:
 
 
 def _wrapped(number: int) -> int:
-    """Modulo 2^32, as a signed number."""
-    return (number + 2**31) % 2**32 - 2**31
+    """Modulo 2^22, as a signed number."""
+    return (number + 2**21) % 2**22 - 2**21
 
 
 def magnitude(q: list[list[int]], v: int, u: int) -> int:

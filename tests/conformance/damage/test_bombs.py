@@ -57,11 +57,11 @@ def test_attacks(name: str) -> None:
 
 def test_masks_of_too_many_squares(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(masks, "max_mixed", lambda payload_bytes: 1 << 30)
-    mask = masks.write_mask(_stripes(2048))
+    mask = masks.write_mask(_stripes(2560))
     path = tmp_path / "mixed.sgi"
     payload = b"\x02" + encode_varint(len(mask)) + mask + b"\x01"
-    path.write_bytes(_one_tile(_header(width=2048, height=2048), payload))
-    assert path.stat().st_size < 300
+    path.write_bytes(_one_tile(_header(width=2560, height=2560), payload))
+    assert path.stat().st_size < 500
     found = within(path, MASKED, *LOOKS)
     assert all(str(answer).startswith("LimitError: a mask of too many squares") for answer in found.values()), found
 

@@ -9,7 +9,7 @@ import pytest
 from examples import examples
 from hypothesis import given, settings
 from hypothesis.extra.numpy import array_shapes, arrays
-from mixed_bits import MixedModels
+from page_bits import QUICK, BitModels
 from reference_decoder import Bits
 
 from sgicodec._native import Mask
@@ -62,7 +62,7 @@ class PageMask:
     """docs/format.md, "Masks", over dictionaries of squares and of pixels."""
 
     def __init__(self, payload: bytes, width: int, height: int) -> None:
-        self.bits, self.models, self.size = Bits(payload), MixedModels(), (height, width)
+        self.bits, self.models, self.size = Bits(payload), BitModels(), (height, width)
         self.states: dict[tuple[int, int, int], int] = {}  # by side, row and column
         self.known: dict[tuple[int, int], int] = {}
         for y in range(0, height, 256):
@@ -71,7 +71,7 @@ class PageMask:
         assert self.bits.ends_well()
 
     def flag(self, number: int) -> int:
-        return self.bits.note(self.models.alone(self.bits.bit, (number,)))
+        return self.bits.note(self.models.bit(self.bits.bit, QUICK, ("state", number)))
 
     def state(self, side: int, y: int, x: int) -> int:
         large = self.states.get((256, y & ~255, x & ~255), 3)
@@ -111,7 +111,7 @@ class PageMask:
             80 + number((-1, -2), (0, -2), (1, -2), *row[1:6], (-2, 0), left),
             1104 + number(*row, left),
         )
-        return self.bits.note(self.models.bit(self.bits.bit, models, f))
+        return self.bits.note(self.models.bit(self.bits.bit, QUICK, *models))
 
     @property
     def pixels(self) -> np.ndarray:

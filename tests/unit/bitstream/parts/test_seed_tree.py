@@ -7,7 +7,7 @@ import pytest
 from examples import examples
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from mixed_bits import MixedModels
+from page_bits import QUICK, BitModels
 from reference_decoder import ROUNDING_BITS, Bits
 
 from sgicodec._native import SymbolReader
@@ -46,7 +46,7 @@ class ReferenceDecoder:
     """docs/format.md, section "Tree", over sets of nodes."""
 
     def __init__(self, size: Size, payload: bytes) -> None:
-        self.size, self.bits, self.models = size, Bits(payload), MixedModels()
+        self.size, self.bits, self.models = size, Bits(payload), BitModels()
         self.split, self.seeds = set[Node](), set[Node]()
 
     def exists(self, node: Node) -> bool:
@@ -73,8 +73,9 @@ class ReferenceDecoder:
             1152 + 144 * t + 16 * d + 4 * e + c,
             3744 + 8 * t + 4 * f + c,
             3888 + 160 * t + 10 * g + h,
+            6768 + t,
         )
-        return self.bits.note(self.models.bit(self.bits.bit, models, t))
+        return self.bits.note(self.models.bit(self.bits.bit, QUICK, *models))
 
     def siblings(self, node: Node) -> list[Node]:
         """All four, by child number."""
