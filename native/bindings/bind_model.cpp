@@ -1,8 +1,13 @@
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
 
 #include <array>
 #include <optional>
+#include <tuple>
+#include <utility>
+#include <vector>
 
 #include "bindings/bindings.hpp"
 #include "bindings/checks.hpp"
@@ -37,18 +42,22 @@ auto cell_sums(Array<const float, 3> detail, std::optional<Array<const float, 2>
   const size_t channels = detail.shape(0), height = detail.shape(1), width = detail.shape(2);
   require(detail.size() > 0 && root_log >= 1 && root_log < 16, "samples must not be empty, roots have two pixels");
   require(!weights || has_shape(*weights, height, width), "weights must be [H, W]");
-  const size_t side = size_t(1) << root_log, cell = sgi::kSmallestCell;
-  const size_t rows = (height + side - 1) / side * (side / cell), columns = (width + side - 1) / side * (side / cell);
-  std::vector<double> values(channels * rows * columns), squares(rows * columns), every(rows * columns);
+  std::vector<sgi::CellSums> levels;
   {
     const nb::gil_scoped_release release;
-    sgi::cell_sums(
+    levels = sgi::cell_sums(
         {detail.data(), weights ? weights->data() : nullptr, int64_t(channels), int64_t(height), int64_t(width)},
-        int64_t(rows), int64_t(columns), threads, values.data(), squares.data(), every.data());
+        root_log, threads);
   }
-  return nb::make_tuple(sgi::as_array<double>(std::move(values), std::array{channels, rows, columns}),
-                        sgi::as_array<double>(std::move(squares), std::array{rows, columns}),
-                        sgi::as_array<double>(std::move(every), std::array{rows, columns}));
+  const auto arrays = [&](sgi::CellSums &of) {
+    const auto rows = size_t(of.rows), columns = size_t(of.columns);
+    return std::tuple(sgi::as_array<double>(std::move(of.values), std::array{channels, rows, columns}),
+                      sgi::as_array<double>(std::move(of.squares), std::array{rows, columns}),
+                      sgi::as_array<double>(std::move(of.weights), std::array{rows, columns}));
+  };
+  std::vector<decltype(arrays(levels[0]))> found;
+  for (sgi::CellSums &of : levels) found.push_back(arrays(of));
+  return found;
 }
 
 void seed_gaussians(Array<const double, 2> values, Array<const int32_t, 2> half_pixels, Array<const int8_t, 1> log_size,

@@ -1,6 +1,7 @@
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
+#include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
 
 #include <algorithm>
@@ -206,27 +207,24 @@ void move_amplitudes(sgi::TextureAmplitudes &amplitudes, Array<const float, 3> g
   amplitudes.move(gradient.data(), contrast.data(), all, mean, most, cells);
 }
 
-auto texture_cells(LogSizes log_size, Contrasts contrast, SymbolPlanes symbols, Array<const float, 1> steps,
-                   std::pair<float, float> slope, std::array<float, 3> excess, Colours colours) {
-  require(steps.size() == symbols.shape(0), "steps [C]");
-  const sgi::TextureColours mixed = colours_of(colours, steps.size());
+void draw_texture(LogSizes log_size, Contrasts contrast, SymbolPlanes symbols, Array<const float, 1> steps,
+                  std::pair<float, float> slope, std::array<float, 3> excess, Colours colours, int threads,
+                  const std::string &isa, Array<float, 3> planes) {
+  const size_t channels = symbols.shape(0);
+  require(steps.size() == channels && planes.shape(0) == channels, "steps [C], planes [C, h, w]");
+  const int64_t height = int64_t(planes.shape(1)), width = int64_t(planes.shape(2));
+  require_size({width, height}, channels);
+  const sgi::TextureColours mixed = colours_of(colours, channels);
+  const sgi::TextureSteps all = steps_of(steps, slope);
   TextureField field = field_of(log_size, contrast, symbols);
+  require_field(field, {width, height});
+  const nb::gil_scoped_release release;
   field.find_extents();
   sgi::TextureCells cells;
-  sgi::TextureDequantizer dequantizer(steps_of(steps, slope), excess, mixed, cells);
+  sgi::TextureDequantizer dequantizer(all, excess, mixed, cells);
   sgi::read_cells(field, dequantizer);
-  const size_t count = cells.log_size.size();
-  std::vector<float> amplitudes;
-  amplitudes.reserve(size_t(cells.amplitude_count));
-  for (size_t i = 0; i < count; ++i)
-    amplitudes.insert(amplitudes.end(), cells.amplitudes[i],
-                      cells.amplitudes[i] + (steps.size() << 2 * cells.log_size[i]));
-  std::vector<uint8_t> waves;
-  for (const sgi::Waves &of : cells.waves) waves.insert(waves.end(), {of.down, of.across});
-  return std::tuple(as_array<int32_t>(cells.corner, std::array{count, size_t(2)}),
-                    as_array<uint8_t>(cells.log_size, std::array{count}),
-                    as_array<float>(std::move(amplitudes), std::array{size_t(cells.amplitude_count)}),
-                    as_array<uint8_t>(std::move(waves), std::array{count, steps.size(), size_t(2)}));
+  sgi::draw_texture(cells.texture(int(channels), width, height), {0, 1, 0, width}, {0, 1, 0, height}, threads,
+                    sgi::choose_isa(isa), planes.data());
 }
 
 }  // namespace
@@ -256,8 +254,8 @@ void bind_texture_coding(nb::module_ &m) {
            "division"_a = nb::none(),
            "Moves them up a gradient, [C, 32 h, 32 w] of the roots, in the mean by `mean` of a step, at most by "
            "`most`; with log2 of the sides of a layer's cells [4 h, 4 w], those alone.");
-  m.def("texture_cells", &texture_cells, "log_size"_a, "contrast"_a, "symbols"_a, "steps"_a, "slope"_a, "excess"_a,
-        "colours"_a, "Corners, log2 of sides, amplitudes, and rows and columns of these behind which all are zero.");
+  m.def("draw_texture", &draw_texture, "log_size"_a, "contrast"_a, "symbols"_a, "steps"_a, "slope"_a, "excess"_a,
+        "colours"_a, "threads"_a, "isa"_a, "planes"_a, "Draws a layer into planes [C, h, w] of its tile.");
   m.def("cheapest_colours", &cheapest_colours, "planes"_a, "contrast"_a, "steps"_a, "slope"_a, "lmbda"_a, "threads"_a,
         "Indices of the colours in which texture that shows these planes costs least, about.");
 }

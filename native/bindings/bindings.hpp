@@ -17,7 +17,6 @@ void bind_rdoq(nanobind::module_ &m);
 void bind_stream_reader(nanobind::module_ &m);
 void bind_symbol_reader(nanobind::module_ &m);
 void bind_restoration(nanobind::module_ &m);
-void bind_texture(nanobind::module_ &m);
 void bind_residual(nanobind::module_ &m);
 void bind_texture_coding(nanobind::module_ &m);
 void bind_tile(nanobind::module_ &m);

@@ -1,6 +1,7 @@
-// Sums of samples over the smallest quadtree cells, from which those of all larger cells follow.
+// Sums of samples over the cells of a quadtree.
 #pragma once
 #include <cstdint>
+#include <vector>
 
 namespace sgi {
 
@@ -12,10 +13,15 @@ struct WeightedSamples {
   int64_t channels, height, width;
 };
 
-// Of each cell [rows, columns]: the sum of weight * detail by channel [channels, rows, columns], of weight * detail^2
-// over channels, and of the weights. Cells may reach beyond the samples, which go on as zeros with the border's
-// weights.
-void cell_sums(const WeightedSamples &samples, int64_t rows, int64_t columns, int threads, double *values,
-               double *squares, double *weights);
+// Of each cell [rows, columns] of a level: the sum of weight * detail by channel [channels, rows, columns], of weight *
+// detail^2 over channels, and of the weights. Cells may reach beyond the samples, which go on as zeros with the
+// border's weights.
+struct CellSums {
+  int64_t rows, columns;
+  std::vector<double> values, squares, weights;
+};
+
+// Of levels 1 ... root_log, whose cells have 2^level pixels along a side; as many as whole roots have.
+std::vector<CellSums> cell_sums(const WeightedSamples &samples, int root_log, int threads);
 
 }  // namespace sgi

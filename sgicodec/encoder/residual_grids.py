@@ -108,7 +108,9 @@ class Repeats:
     def see(self, pixels: NDArray[Any]) -> NDArray[np.bool_]:
         """More pixels [h, w, C]; gives which are not [h, w]."""
         others = np.ones(pixels.shape[:2], np.bool_)
-        others[:, 1:] = (pixels[:, 1:] != pixels[:, :-1]).any(axis=2)
+        others[:, 1:] = False
+        for channel in range(pixels.shape[2]):
+            others[:, 1:] |= pixels[:, 1:, channel] != pixels[:, :-1, channel]
         self.pixels += others.size
         self.others += int(np.count_nonzero(others))
         return others

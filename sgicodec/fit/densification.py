@@ -36,7 +36,7 @@ def worthwhile_cells(sums: CellSums, layout: SeedLayout, price: float) -> tuple[
         y, x = np.nonzero(free & here[level])
         corners.append(np.stack([x, y], axis=1).astype(np.int32) << level)
         sizes.append(np.full(len(x), level, np.int8))
-        means.append((sums.values[level] / sums.weights[level])[:, y, x].T.astype(np.float32))
+        means.append((sums.values[level][:, y, x] / sums.weights[level][y, x]).T.astype(np.float32))
         free = (free & ~here[level]).repeat(2, axis=0).repeat(2, axis=1)
     return SeedLayout(np.concatenate(corners), np.concatenate(sizes)), np.concatenate(means)
 

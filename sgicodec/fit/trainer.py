@@ -83,7 +83,7 @@ class Trainer:
         most = max_level(width, height)
         phases = tuple(replace(phase, level=min(phase.level, most)) for phase in settings.phases)
         settings = replace(settings, phases=phases)
-        self.spec, self.settings, self.weights = spec, settings, weights
+        self.spec, self.settings, self.weights, self.device = spec, settings, weights, device
         self.mean_weights = None if weights is None else CellMeans(weights[None])
         self.schedule = Schedule(phases)
         self.raster = backend_of(device, spec.channels)
@@ -180,7 +180,7 @@ class Trainer:
     def _residual_sums(self) -> CellSums:
         target = self.levels[0].samples
         residual = target - self.raster.forward(*self.seeds.gaussians(), target.shape[2], target.shape[1])
-        return cell_sums(residual, ROOT_LOG, self.weights)
+        return cell_sums(residual, ROOT_LOG, self.weights, self.device.threads)
 
     def _place(self) -> None:
         """To be called where seeds have come or gone."""

@@ -6,22 +6,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec.metrics.local_variance import local_variance
-from sgicodec.metrics.psnr import luma
 
 __all__ = ["masking_weights"]
 
 F32 = NDArray[np.float32]
 
 
-def masking_weights(picture: F32, empty: NDArray[np.bool_] | None = None) -> F32:
-    """w = ((σ² + 10⁻³) / 0.0025)^−¼ of each pixel [H, W] of a picture [C, H, W], samples in 0..1, with σ² the variance
-    of luma in the window of 11×11 pixels around it.
+def masking_weights(luma: NDArray[np.float64], empty: NDArray[np.bool_] | None = None) -> F32:
+    """w = ((σ² + 10⁻³) / 0.0025)^−¼ of each pixel [H, W], with σ² the variance of luma [H, W], 0 to 255, in the window
+    of 11×11 pixels around it, in samples of 0 to 1.
 
     Windows end where the picture or tile ends: a tile that overlaps its neighbours by 5 pixels or more has the weights
     of the whole picture wherever it alone is shown. Pixels that need not be shown, `empty` [H, W], weigh as little as
     the busiest pixel could.
     """
-    variance = local_variance(luma(picture.transpose(1, 2, 0), peak=1.0) / 255.0)
+    variance = local_variance(luma / 255.0)
     if empty is not None:
         variance[empty] = _MAX_VARIANCE
     return np.asarray(((variance + _FLOOR) / _USUAL) ** _POWER, np.float32)

@@ -34,13 +34,12 @@ class CellSums:
     """Sums over the cells of every level, from two pixels to roots; cells may reach beyond the picture, where all
     is zero.
 
-    values: Σ w d by channel [C, rows, columns]; squares: Σ w |d|² [rows, columns]; weights: Σ w, a number where every
-    weight is 1.
+    values: Σ w d by channel [C, rows, columns]; squares: Σ w |d|² [rows, columns]; weights: Σ w [rows, columns].
     """
 
     values: dict[int, F64]
     squares: dict[int, F64]
-    weights: dict[int, F64] | dict[int, float]
+    weights: dict[int, F64]
 
     def held(self, level: int) -> F64:
         """|Σ w d|² / Σ w of each cell: the squared error that its weighted mean holds."""
@@ -139,23 +138,10 @@ def _leaves(sums: CellSums, threshold: float, min_log: int) -> Iterator[tuple[in
         alive = split.repeat(2, axis=0).repeat(2, axis=1)
 
 
-def cell_sums(detail: F32, root_log: int, weights: F32 | None = None) -> CellSums:
+def cell_sums(detail: F32, root_log: int, weights: F32 | None = None, threads: int = 1) -> CellSums:
     """Sums of `detail` [C, H, W] over cells, pixels counting as `weights` [H, W] say, by default all as 1.
 
     Beside the picture pixels count as those of its border do, as if it went on with zeros.
     """
-    values, squares, every = _native.cell_sums(detail, weights, root_log, 1)
-    counts = (
-        {level: 4.0**level for level in range(1, root_log + 1)} if weights is None else _sums_by_level(every, root_log)
-    )
-    return CellSums(_sums_by_level(values, root_log), _sums_by_level(squares, root_log), counts)
-
-
-def _sums_by_level(plane: F64, root_log: int) -> dict[int, F64]:
-    """Sums of planes [..., rows, columns] of cells of two pixels over the cells of every level."""
-    sums = {1: plane}
-    for level in range(2, root_log + 1):
-        below = sums[level - 1]
-        pairs = below[..., ::2, :] + below[..., 1::2, :]
-        sums[level] = pairs[..., ::2] + pairs[..., 1::2]
-    return sums
+    levels = _native.cell_sums(detail, weights, root_log, threads)
+    return CellSums(*(dict(enumerate(sums, 1)) for sums in zip(*levels, strict=True)))

@@ -1,4 +1,4 @@
-"""A texture layer in integers: cells, symbols and the steps that turn them into amplitudes."""
+"""A texture layer: windowed cosines in the cells of a quadtree, as symbols and their steps."""
 
 from __future__ import annotations
 
@@ -8,12 +8,16 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from sgicodec._native import CONTRAST_LIMIT, texture_cells
-from sgicodec.model.texture import ROOT_LOG, TextureLayer
+from sgicodec._native import CONTRAST_LIMIT, draw_texture
+from sgicodec._native import TEXTURE_MIN_LOG as MIN_LOG
+from sgicodec._native import TEXTURE_ROOT_LOG as ROOT_LOG
+from sgicodec.device import ONE_THREAD, Device
 
 __all__ = [
     "CONTRAST_LIMIT",
     "MAX_SLOPE",
+    "MIN_LOG",
+    "ROOT_LOG",
     "SAME_COLOURS",
     "SAME_STEP",
     "STEP_COUNT",
@@ -128,10 +132,12 @@ class TextureSymbols:
         """Whether no cell has texture."""
         return not self.log_size.any()
 
-    def layer(self) -> TextureLayer:
-        """The layer that is rendered."""
+    def draw(self, device: Device = ONE_THREAD) -> F32:
+        """What the layer adds to the channels of the tile [C, H, W]."""
+        width, height = self.size
+        planes = np.empty((len(self.symbols), height, width), np.float32)
         steps = self.steps
-        parts = texture_cells(
+        draw_texture(
             self.log_size,
             self.contrast,
             self.symbols,
@@ -139,5 +145,8 @@ class TextureSymbols:
             steps.growth,
             steps.added,
             steps.colours,
+            device.threads,
+            device.isa,
+            planes,
         )
-        return TextureLayer(self.size, len(self.symbols), *parts)
+        return planes

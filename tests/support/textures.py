@@ -9,8 +9,7 @@ import numpy as np
 from sgicodec._native import SymbolReader
 from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
 from sgicodec.bitstream.parts.texture import layer_of, write_texture
-from sgicodec.model.texture import MIN_LOG, ROOT_LOG
-from sgicodec.model.texture_symbols import TextureSteps, TextureSymbols, roots_of
+from sgicodec.model.texture_symbols import MIN_LOG, ROOT_LOG, TextureSteps, TextureSymbols, roots_of
 
 
 def random_cells(width: int, height: int, seed: int, share: float) -> tuple[np.ndarray, np.ndarray]:

@@ -81,7 +81,7 @@ class Restorer:
 
 def rendered_over(search: TextureSearch, unit: F32, texture: TextureSymbols, device: Device) -> F32:
     """What a layer over the seeds of `search` shows of `unit` [C, H, W], before restoration."""
-    rendered: F32 = unit - search.residual + texture.layer().draw(device=device)
+    rendered: F32 = unit - search.residual + texture.draw(device)
     return rendered
 
 

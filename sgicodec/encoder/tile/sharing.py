@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 
 from sgicodec.fit.pyramid import pyramid
 from sgicodec.model.layout import SeedLayout
-from sgicodec.model.texture import ROOT_LOG
-from sgicodec.model.texture_symbols import roots_of
+from sgicodec.model.texture_symbols import ROOT_LOG, roots_of
 
 __all__ = ["MIN_WEIGHT", "part_of_steps", "seed_weights", "smoothed"]
 

@@ -19,6 +19,7 @@ from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.encoder.tile.restoration import Restorer, Strength
 from sgicodec.encoder.tile.texture_steps import TUNINGS, Masking, TextureTuning
 from sgicodec.metrics.masking_weights import masking_weights
+from sgicodec.metrics.psnr import luma
 from sgicodec.model.colours import to_channels
 from sgicodec.model.spec import ModelSpec
 from sgicodec.model.texture_symbols import TextureSymbols
@@ -168,8 +169,9 @@ def tile_of(
         alpha = np.clip(unit[-1], 0, 1)
         unit[-1] = OPAQUE
         empty = None if empty is not None and empty.all() else empty  # a tile without a mask has a model
-    weights = masking_weights(unit, empty) if settings.tuned_for == "visual" else None
-    masking = Masking(TUNINGS[settings.tuned_for], unit, device)
+    seen = luma(unit.transpose(1, 2, 0), peak=1.0) if settings.tuned_for == "visual" else None
+    weights = None if seen is None else masking_weights(seen, empty)
+    masking = Masking(TUNINGS[settings.tuned_for], seen, device)
     unit = np.tensordot(to_channels(header.spec).astype(np.float32), unit, axes=1)
     return Tile(
         picture,

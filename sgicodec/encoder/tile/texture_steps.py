@@ -17,12 +17,11 @@ from numpy.typing import NDArray
 
 from sgicodec.device import ONE_THREAD, Device
 from sgicodec.metrics.local_variance import local_variance
-from sgicodec.metrics.psnr import luma
 from sgicodec.metrics.regular_pattern import BLOCK, RegularPatterns, regular_patterns
-from sgicodec.model.texture import ROOT_LOG
 from sgicodec.model.texture_symbols import (
     CONTRAST_LIMIT,
     MAX_SLOPE,
+    ROOT_LOG,
     SAME_STEP,
     STEP_COUNT,
     STEP_ZERO,
@@ -117,14 +116,13 @@ _BLOCKS = 2
 
 
 class Masking:
-    """Step offsets for a picture [C, H, W], samples in 0..1.
+    """Step offsets for a picture with this luma [H, W], 0 to 255; None for squared error, which has none.
 
     They depend on the pixels near a superblock alone and on no mean, so that tiles look the same.
     """
 
-    def __init__(self, tuning: TextureTuning, picture: F32, device: Device = ONE_THREAD) -> None:
-        self._power, self._device = tuning.masking, device
-        self._plane = luma(picture.transpose(1, 2, 0), peak=1.0) if self._power else None
+    def __init__(self, tuning: TextureTuning, luma: F64 | None, device: Device = ONE_THREAD) -> None:
+        self._power, self._device, self._plane = tuning.masking, device, luma
 
     def offsets(self, steps: TextureSteps) -> Offsets | None:
         """Step offsets [rows, columns] for these steps, None where they play no part."""

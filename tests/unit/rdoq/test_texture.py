@@ -41,7 +41,7 @@ def payload_of(layer: TextureSymbols) -> tuple[bytes, float]:
 
 
 def squared_error(residual: np.ndarray, layer: TextureSymbols) -> float:
-    return float(((residual - layer.layer().draw()).astype(np.float64) ** 2).sum())
+    return float(((residual - layer.draw()).astype(np.float64) ** 2).sum())
 
 
 @pytest.mark.parametrize("width", [96, 97, 100, 104, 112, 120, 125])
@@ -51,7 +51,7 @@ def test_fine_steps_show_all_up_to_the_edges(residual: np.ndarray, width: int, h
     part = np.ascontiguousarray(residual[:, :height, :width])
     layer = TextureSearch(part).at(TextureSteps(140, SAME), 1e-3, None)
     assert layer is not None
-    error = np.abs(part - layer.layer().draw())
+    error = np.abs(part - layer.draw())
     assert error.max() < 1.5 * TextureSteps(140, SAME).of_channels.max()
 
 
@@ -132,7 +132,7 @@ def test_amplitudes_move_up_a_gradient_by_a_part_of_their_steps(
             search.move(gradient, steps, None, mean, most)
         layer = search.at(fine, 0.0)
         assert layer is not None
-        return layer.layer().draw()
+        return layer.draw()
 
     still, once = moved(1, 0), moved(1)
     assert np.array_equal(once, moved(3))

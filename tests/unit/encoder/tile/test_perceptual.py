@@ -16,6 +16,7 @@ from sgicodec.device import ONE_THREAD
 from sgicodec.encoder.tile.perceptual import ScoreAscent
 from sgicodec.encoder.tile.screen import Screen
 from sgicodec.encoder.tile.texture_steps import TUNINGS, Masking
+from sgicodec.metrics.psnr import luma
 from sgicodec.metrics.scores import scores
 from sgicodec.metrics.visual_score import VisualReference
 from sgicodec.model.colours import to_channels, to_samples
@@ -37,7 +38,7 @@ class Case:
         self.spec = replace(default_spec(3), luma_space=luma_space)
         self.unit = np.tensordot(to_channels(self.spec).astype(np.float32), self.seen, axes=1)
         self.base = np.broadcast_to(self.unit.mean(axis=(1, 2), keepdims=True), self.unit.shape)
-        self.offsets = Masking(TUNING, self.seen).offsets(TUNING.steps(step, 3))
+        self.offsets = Masking(TUNING, luma(pixels, peak=1.0)).offsets(TUNING.steps(step, 3))
         self.search = TextureSearch(self.unit - self.base, ONE_THREAD)
         self.empty = empty
         self.blocks: TextureSymbols | None = None  # of the last layer
@@ -64,7 +65,7 @@ class Case:
         return scores
 
     def decoded(self) -> NDArray[np.float32]:
-        shown = self.base + self.found(self.blocks).layer().draw()
+        shown = self.base + self.found(self.blocks).draw()
         seen: NDArray[np.float32] = np.tensordot(to_samples(self.spec), shown, axes=1).astype(np.float32)
         return seen
 
@@ -128,7 +129,7 @@ def test_other_channels_than_three(channels: int) -> None:
     def score() -> float:
         layer = search.at(steps, TUNING.squared_steps)
         assert layer is not None
-        return VisualReference(unit, ONE_THREAD).score(0.5 + np.tensordot(back, layer.layer().draw(), axes=1))
+        return VisualReference(unit, ONE_THREAD).score(0.5 + np.tensordot(back, layer.draw(), axes=1))
 
     before = score()
     ascent, layer = ScoreAscent(np.tensordot(into, unit, axes=1), Screen(spec), None, ONE_THREAD, passes=2), None

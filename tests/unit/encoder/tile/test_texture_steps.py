@@ -15,6 +15,7 @@ from sgicodec.decoder.stream import open_stream
 from sgicodec.encoder.plan import Shape, stream_plan
 from sgicodec.encoder.tile.texture_steps import TUNINGS, Masking, TextureTuning
 from sgicodec.metrics.perceptual import ssimulacra2
+from sgicodec.metrics.psnr import luma
 from sgicodec.model.texture_symbols import CONTRAST_LIMIT, STEP_COUNT, TextureSteps
 from sgicodec.picture import to_rgb8, to_unit
 
@@ -88,7 +89,7 @@ def unit(rocks: Picture) -> NDArray[np.float32]:
 
 
 def step_offsets(picture: NDArray[np.float32], step: int = USUAL) -> NDArray[np.int8]:
-    found = Masking(TUNING, picture).offsets(TUNING.steps(step, len(picture)))
+    found = Masking(TUNING, luma(picture.transpose(1, 2, 0), peak=1.0)).offsets(TUNING.steps(step, len(picture)))
     assert found is not None
     return found
 
@@ -101,7 +102,7 @@ def ribs(deviation: float) -> NDArray[np.float32]:
 
 
 def test_squared_error_has_none(unit: NDArray[np.float32]) -> None:
-    assert Masking(TUNINGS["psnr"], unit).offsets(TextureSteps(USUAL)) is None
+    assert Masking(TUNINGS["psnr"], None).offsets(TextureSteps(USUAL)) is None
 
 
 def test_contrasts_are_those_of_the_place(unit: NDArray[np.float32]) -> None:
