@@ -14,7 +14,8 @@ constexpr int kLeastError = 17;      // that of bits which are as certain as mod
 constexpr int kLogisticHalf = 3072;  // logits beyond are clipped
 constexpr int kCosts = 4096;         // of probabilities in 2^-12
 
-// How many bits a model counts at most: the fewer, the faster it follows what changes.
+// How many bits a model counts at most: the fewer, the faster it follows what changes
+// (docs/notes/2026-11-residual-layer.md).
 constexpr uint32_t kSteady = 511, kQuick = 80;
 
 // What the arithmetic of bits reads. No value that is rounded lies nearer to a half than 10^-5, so that every

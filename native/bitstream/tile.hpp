@@ -55,6 +55,7 @@ struct TileModel {
   int64_t seeds() const { return int64_t(log_size.size()); }
 };
 
+// How a payload is read.
 struct TileReading {
   int threads = 1;
   Isa isa = Isa::portable;
