@@ -35,7 +35,7 @@ bool code_signs(Bits &bits, const std::vector<int64_t> &counts, std::vector<int3
   for (const int64_t count : counts) {
     BitModel model;
     for (int64_t i = 0; i < count; ++i)
-      if (!code_bit(bits, model, kSteady, *sign++)) return false;
+      if (!code_bit(bits, model, kQuick, *sign++)) return false;
   }
   return true;
 }
