@@ -39,7 +39,7 @@ Texture ArrivingTexture::first_rows(int64_t rows) {
 
 void ArrivingTexture::wait() { task_.wait(); }
 
-bool ArrivingTexture::is_complete() {
+bool ArrivingTexture::has_ended() {
   const std::lock_guard<std::mutex> lock(mutex_);
   return ended_;
 }

@@ -22,7 +22,7 @@ class ArrivingTexture {
   Texture first_rows(int64_t rows);
   // Waits for the end of the payload. Throws what reading threw.
   void wait();
-  bool is_complete();
+  bool has_ended();  // whether it is complete, or failed
 
   // Once it is complete.
   const TextureCells &cells() const { return cells_; }
@@ -37,7 +37,7 @@ class ArrivingTexture {
   std::condition_variable arrived_;
   int64_t rows_ = 0;  // whose cells are there
   Texture there_{};
-  bool ended_ = false;  // whether it is complete, or failed
+  bool ended_ = false;
   TextureCells cells_;
   TileEnd end_;
   Task task_;  // the last: its end comes before that of what it writes

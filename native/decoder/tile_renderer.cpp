@@ -108,7 +108,7 @@ int64_t TileRenderer::memory() const {
   int64_t bytes = gaussians_.memory() + bytes_of(base_);
   if (rescaled_) bytes += rescaled_->gaussians.memory();
   if (whole_) bytes += bytes_of(whole_->samples);
-  if (texture_ && texture_->is_complete()) {
+  if (texture_ && texture_->has_ended()) {
     const TextureCells &cells = texture_->cells();
     bytes += bytes_of(cells.corner) + bytes_of(cells.log_size) + bytes_of(cells.amplitudes) + bytes_of(cells.waves) +
              cells.amplitude_count * int64_t(sizeof(float));
@@ -173,7 +173,7 @@ void TileRenderer::draw_blocks(const PictureView &view, int64_t x, int64_t y, co
                                  : std::min(block.columns, int64_t(std::ceil(4 * std::sqrt(double(most)))));  // flat
   Restored tools{{Rasterizer(settings_.isa, threads, kMaxPairs), gaussians_, 0, 0}, tools_for(view, threads)};
   for (int64_t top = 0, height; top < block.rows; top += height) {
-    const bool arrives = texture_ && !texture_->is_complete() && resolve_threads(threads) > 1;
+    const bool arrives = texture_ && !texture_->has_ended() && resolve_threads(threads) > 1;
     height = std::max<int64_t>(1, (arrives ? std::min(most, kBandArriving) : most) / (width * header_.spec.channels));
     height = std::min(height, block.rows - top);
     for (int64_t left = 0; left < block.columns; left += width) {
