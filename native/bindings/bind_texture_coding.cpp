@@ -221,6 +221,7 @@ void draw_texture(LogSizes log_size, Contrasts contrast, SymbolPlanes symbols, A
   const nb::gil_scoped_release release;
   field.find_extents();
   sgi::TextureCells cells;
+  cells.reserve(field);
   sgi::TextureDequantizer dequantizer(all, excess, mixed, cells);
   sgi::read_cells(field, dequantizer);
   sgi::draw_texture(cells.texture(int(channels), width, height), {0, 1, 0, width}, {0, 1, 0, height}, threads,

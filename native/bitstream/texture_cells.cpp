@@ -11,9 +11,11 @@ constexpr int64_t kPiece = 1 << 15;  // floats; small enough to be memory that w
 
 }  // namespace
 
-void TextureCells::reserve(int64_t cells, int channels) {
+void TextureCells::reserve(const TextureField &field) {
+  const int64_t cells = field.unit_count();
   corner.reserve(size_t(2 * cells)), log_size.reserve(size_t(cells)), amplitudes.reserve(size_t(cells));
-  waves.reserve(size_t(cells * channels));
+  waves.reserve(size_t(cells * field.channels));
+  amplitude_most = int64_t(field.symbols.size());
 }
 
 Texture TextureCells::texture(int channels, int64_t width, int64_t height) const {
@@ -32,7 +34,7 @@ void TextureDequantizer::begin(const TextureCell &cell, int contrast) {
   found_.log_size.push_back(uint8_t(cell.log));
   const int64_t size = int64_t(steps_.channels()) << 2 * cell.log;
   if (size > room_) {
-    room_ = std::max(kPiece, size);
+    room_ = std::max(size, std::min(kPiece, found_.amplitude_most - found_.amplitude_count));
     first_ = found_.memory.emplace_back(new float[size_t(room_)]).get();
   } else {
     first_ += int64_t(steps_.channels()) << 2 * log_;

@@ -18,17 +18,17 @@ struct TextureCells {
   TextureCells(TextureCells &&) = default;
   TextureCells &operator=(TextureCells &&) = default;
 
-  // From here on so many cells of C channels stay where they are, as more are added.
-  void reserve(int64_t cells, int channels);
+  // Makes room for the cells of a field: those that are there stay where they are as more are added.
+  void reserve(const TextureField &field);
   // Those that are there, of a tile of width x height pixels.
   Texture texture(int channels, int64_t width, int64_t height) const;
 
-  std::vector<int32_t> corner;                   // [N, 2]
-  std::vector<uint8_t> log_size;                 // [N]
-  std::vector<const float *> amplitudes;         // [N] of each cell [C, n, n]
-  std::vector<Waves> waves;                      // [N, C]
-  std::vector<std::unique_ptr<float[]>> memory;  // where amplitudes are
-  int64_t amplitude_count = 0;
+  std::vector<int32_t> corner;                      // [N, 2]
+  std::vector<uint8_t> log_size;                    // [N]
+  std::vector<const float *> amplitudes;            // [N] of each cell [C, n, n]
+  std::vector<Waves> waves;                         // [N, C]
+  std::vector<std::unique_ptr<float[]>> memory;     // where amplitudes are
+  int64_t amplitude_count = 0, amplitude_most = 0;  // those of all cells so far; that the field may have
 };
 
 // Finds amplitudes as cells are read, in coding order.

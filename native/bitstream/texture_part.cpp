@@ -85,7 +85,7 @@ CodedTexture read_texture_layer(SymbolReader &reader, TextureIndices indices, in
   const double before = reader.decoder().content();
   TextureField field = empty_field(width, height, channels);
   TextureDequantizer dequantizer(indices.steps(), indices.added(), indices.colours, cells);
-  cells.reserve(field.unit_count(), channels);
+  cells.reserve(field);
   RowsRead told;
   if (rows_read) told = [&](int64_t rows) { rows_read(rows, cells.texture(channels, width, height)); };
   read_texture(shipped_texture_models(), reader, width, height, indices.has_contrast, field, dequantizer, told);
