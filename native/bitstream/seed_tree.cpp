@@ -5,7 +5,6 @@
 
 #include "base/error.hpp"
 #include "bitstream/tree_coding.hpp"
-#include "model/morton.hpp"
 
 namespace sgi {
 namespace {
@@ -31,24 +30,29 @@ TreeNodes tree_of(int64_t width, int64_t height, const Seeds &seeds) {
   return tree;
 }
 
-}  // namespace
-
-Seeds in_order(const Seeds &seeds) {
-  constexpr int kLevelBits = 5, kMaxLevel = 16;
-  std::vector<uint64_t> keys;
-  for (size_t i = 0; i < seeds.log_size.size(); ++i)
-    keys.push_back(uint64_t(morton(seeds.corner[2 * i], seeds.corner[2 * i + 1])) << kLevelBits |
-                   uint64_t(kMaxLevel - seeds.log_size[i]));
-  std::sort(keys.begin(), keys.end());
-  Seeds sorted;
-  sorted.corner.reserve(2 * keys.size()), sorted.log_size.reserve(keys.size());
-  for (const uint64_t key : keys) {
-    const uint64_t code = key >> kLevelBits;
-    sorted.corner.push_back(int32_t(gather_bits(code))), sorted.corner.push_back(int32_t(gather_bits(code >> 1)));
-    sorted.log_size.push_back(int8_t(kMaxLevel - int(key & ((1 << kLevelBits) - 1))));
+// Adds the seeds of a node and below, which have the format's order so: by the Morton order of corners, coarse before
+// fine where they coincide. Above the roots all is split.
+void add_seeds(const TreeNodes &nodes, int level, int64_t x, int64_t y, Seeds &seeds) {
+  if (x >= nodes.columns(level) || y >= nodes.rows(level)) return;
+  const uint8_t node = level > kRootLevel ? TreeNodes::kSplit : nodes.at(level, x, y);
+  if (node & TreeNodes::kSeed) {
+    seeds.corner.push_back(int32_t(x << level)), seeds.corner.push_back(int32_t(y << level));
+    seeds.log_size.push_back(int8_t(level));
   }
-  return sorted;
+  if (node & TreeNodes::kSplit)
+    for (int child = 0; child < 4; ++child)
+      add_seeds(nodes, level - 1, 2 * x + (child & 1), 2 * y + (child >> 1), seeds);
 }
+
+Seeds seeds_of(const TreeNodes &nodes) {
+  int top = kRootLevel;
+  while (nodes.columns(top) > 1 || nodes.rows(top) > 1) ++top;
+  Seeds seeds;
+  add_seeds(nodes, top, 0, 0, seeds);
+  return seeds;
+}
+
+}  // namespace
 
 int64_t TreeNodes::memory(int64_t width, int64_t height) {
   const TreeNodes nodes(width, height);
@@ -62,7 +66,7 @@ BitRecorder write_tree(int64_t width, int64_t height, const Seeds &seeds) {
   const TreeNodes given = tree_of(width, height, seeds);
   TreeNodes nodes(width, height);
   TreeCoding coding(bits, nodes, &given);
-  for (int level = kRootLevel; level >= kMinLevel; --level) coding.level(level, [](int64_t, int64_t, uint8_t) {});
+  for (int level = kRootLevel; level >= kMinLevel; --level) coding.level(level, [](uint8_t) {});
   return bits;
 }
 
@@ -70,27 +74,23 @@ Seeds read_tree(SymbolReader &reader, int64_t width, int64_t height, int64_t mos
   BitReader bits(reader.decoder());
   TreeNodes nodes(width, height);
   TreeCoding coding(bits, nodes, nullptr);
-  Seeds seeds;
-  int64_t split = 1;
+  int64_t split = 1, seeds = 0;
   const double before = reader.decoder().content();
   const auto require_few = [&](int64_t count) {
     if (count > most) throw Error(Fault::limit, "positions: more than " + std::to_string(most) + " seeds");
   };
   for (int level = kRootLevel; level >= kMinLevel && split; --level) {
     split = 0;
-    const bool is_sound = coding.level(level, [&](int64_t x, int64_t y, uint8_t node) {
+    const bool is_sound = coding.level(level, [&](uint8_t node) {
       if (node & TreeNodes::kSplit) require_few(++split);  // each has seeds
-      if (!(node & TreeNodes::kSeed)) return;
-      seeds.corner.push_back(int32_t(x << level)), seeds.corner.push_back(int32_t(y << level));
-      seeds.log_size.push_back(int8_t(level));
-      require_few(int64_t(seeds.log_size.size()));
+      if (node & TreeNodes::kSeed) require_few(++seeds);
     });
     if (!is_sound) SymbolReader::require_sound(Reading::kDamaged);
     reader.record(coding.flags.data(), int64_t(coding.flags.size()));
     coding.flags.clear();
   }
   reader.book(Part::positions, reader.decoder().content() - before);
-  return in_order(seeds);
+  return seeds_of(nodes);
 }
 
 }  // namespace sgi

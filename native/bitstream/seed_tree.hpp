@@ -19,9 +19,6 @@ struct Seeds {
   std::vector<int8_t> log_size;
 };
 
-// In the format's order: by the Morton order of corners, coarse before fine where they coincide.
-Seeds in_order(const Seeds &seeds);
-
 // What is known of the nodes of a tile, level by level: planes with a border of nodes that are not there. A level takes
 // memory from when it is opened on.
 class TreeNodes {
