@@ -13,7 +13,7 @@ struct PredictorKernel {
   void (*learn)(float *sums, const float *values, float weight, int inputs);
   // Solves for weights [inputs] by the sums of a segment and of those beside it, drawn to `prior`.
   void (*solve)(const float *own, const float *left, const float *right, const double *prior, int inputs,
-                double *weights);
+                float *weights);
   static const PredictorKernel portable, avx2, avx512;
 };
 

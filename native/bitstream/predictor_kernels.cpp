@@ -10,14 +10,15 @@ constexpr double kBeside = 0.6;       // weight of the segments to the left and 
 constexpr double kRidge = 4;          // by how much weights are drawn to the prior
 constexpr double kLeastPivot = 1e-6;  // of an input's own sum; one that adds less to those before gets no weight
 
-// Adds products to rows from `begin` to `end`, from column `first` on.
-template <int first>
+// Adds products to rows from `begin` to `end`, in columns from `first` to `last`.
+template <int first, int last>
 inline void add_rows(float *sums, const float *values, float weight, int begin, int end) {
-  vf columns[(kRow - first) / LANES];
-  for (int j = 0; j < (kRow - first) / LANES; ++j) columns[j] = load(values + first + j * LANES);
+  constexpr int kVectors = (last - first) / LANES;
+  vf columns[kVectors];
+  for (int j = 0; j < kVectors; ++j) columns[j] = load(values + first + j * LANES);
   for (int i = begin; i < end; ++i) {
     const float scaled = values[i] * weight;
-    for (int j = 0; j < (kRow - first) / LANES; ++j) {
+    for (int j = 0; j < kVectors; ++j) {
       float *at = sums + i * kRow + first + j * LANES;
       store(at, load(at) + scaled * columns[j]);
     }
@@ -26,13 +27,14 @@ inline void add_rows(float *sums, const float *values, float weight, int begin, 
 
 void add_products(float *sums, const float *values, float weight, int inputs) {
   constexpr int kHalf = kRow / 2;
-  add_rows<0>(sums, values, weight, 0, inputs < kHalf ? inputs + 1 : kHalf);
-  add_rows<kHalf>(sums, values, weight, kHalf, inputs + 1);
+  if (inputs < kHalf) return add_rows<0, kHalf>(sums, values, weight, 0, inputs + 1);
+  add_rows<0, kRow>(sums, values, weight, 0, kHalf);
+  add_rows<kHalf, kRow>(sums, values, weight, kHalf, inputs + 1);
 }
 
 // Gaussian elimination, with what is predicted as the last column.
 void solve_weights(const float *own, const float *left, const float *right, const double *prior, int inputs,
-                   double *weights) {
+                   float *weights) {
   alignas(64) double matrix[kPredictorInputs * kRow], shares[kPredictorInputs * kRow], found[kRow]{};
   double least[kPredictorInputs];
   const int end = (inputs & -kDoubles) + kDoubles;
@@ -59,7 +61,8 @@ void solve_weights(const float *own, const float *left, const float *right, cons
     found[k] = row[inputs] * inverse;
   }
   for (int i = inputs - 1; i >= 0; --i) {
-    const double weight = weights[i] = found[i];
+    const double weight = found[i];
+    weights[i] = float(weight);
     const double *share = shares + i * kRow;
     for (int k = 0; k < i; ++k) found[k] -= share[k] * weight;
   }

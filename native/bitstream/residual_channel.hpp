@@ -16,7 +16,6 @@ constexpr int kFarthestMiss = 6;  // steps from a value to a guess that are told
 
 // What is known of a value that was coded.
 struct KnownValue {
-  int32_t difference = 0;             // from what is drawn
   int32_t magnitude = 4 * kFraction;  // of the error of its prediction, in sixteenths of a step
   int32_t value = 0;
   std::array<int32_t, 2> misses{};  // steps from its guesses, up to kFarthestMiss
@@ -30,19 +29,26 @@ class ResidualChannel {
   ResidualChannel(int place, const ResidualGrid &grid, int64_t width, const PredictorKernel &kernel)
       : most(grid.most), max_error(grid.max_error), step(2 * grid.max_error + 1),
         scale(std::max(0, 28 - __builtin_clz(uint32_t(grid.most) | 1))), place(place), stride(width + 2 * kPad),
-        width_(width), known_(size_t((1 + kPad) * stride)), predictor_(kernel, width, prior(place)) {}
+        width_(width), known_(size_t((1 + kPad) * stride)), differences_(known_.size()),
+        predictor_(kernel, width, prior(place)) {}
 
   // What is known at a column of the row that is coded; `stride` before it, of the row above.
-  const KnownValue *at(int64_t x) const { return &known_[size_t(kPad * stride + x + kPad)]; }
+  const KnownValue *at(int64_t x) const { return &known_[place_of(x)]; }
+  // How far a value is from what is drawn; rows as above.
+  const float *difference(int64_t x) const { return &differences_[place_of(x)]; }
   // Keeps what a value is, also beyond the ends of the row.
   void note(int64_t x, const KnownValue &known) {
     const int64_t first = x ? x : -kPad, last = x == width_ - 1 ? x + kPad : x;
-    for (int64_t i = first; i <= last; ++i) known_[size_t(kPad * stride + i + kPad)] = known;
+    for (int64_t i = first; i <= last; ++i) {
+      known_[place_of(i)] = known;
+      differences_[place_of(i)] = float(known.value - drawn_);
+    }
   }
   void end_row() {
     predictor_.fade();
     std::copy(known_.begin() + stride, known_.end(), known_.begin());
     std::fill(known_.end() - stride, known_.end(), KnownValue());
+    std::copy(differences_.begin() + stride, differences_.end(), differences_.begin());
   }
 
   // How many steps lie between values, to the nearest.
@@ -56,16 +62,19 @@ class ResidualChannel {
   // Takes what is drawn of a pixel, and to the left of it, above, to the right, below.
   void look(int32_t here, const std::array<int32_t, 4> &around) {
     drawn_ = here;
-    for (size_t i = 0; i < around.size(); ++i) slopes_[i] = around[i] - here;
+    for (size_t i = 0; i < around.size(); ++i) slopes_[i] = float(around[i] - here);
   }
   // Begins the prediction of the value at x with all that is known before its pixel, of all channels in their order.
   void prepare(int64_t x, const std::vector<ResidualChannel> &channels);
   // The prediction in sixteenths, once the channels before have their values at x.
   int32_t predict(int64_t x, const std::vector<ResidualChannel> &channels) {
-    int count = early_;
-    for (int k = place - others(place); k < place; ++k)
-      values_[size_t(count++)] = float(channels[size_t(k)].at(x)->difference);
-    const double found = drawn_ + predictor_.predict(values_.data(), early_, count, predicted_), limit = most;
+    float sum = predicted_;
+    int input = early_;
+    for (int k = place - others(place); k < place; ++k, ++input) {
+      values_[size_t(input)] = *channels[size_t(k)].difference(x);
+      sum += predictor_.weight(input) * values_[size_t(input)];
+    }
+    const double found = drawn_ + double(sum), limit = most;
     return int32_t((found > 0 ? found < limit ? found : limit : 0) * kFraction + 0.5);
   }
   // Takes the value that came, and how far it was expected to be from its prediction, in sixteenths of a step.
@@ -94,16 +103,18 @@ class ResidualChannel {
   // How many channels before serve a prediction.
   static int others(int place) { return std::min(place, 2); }
   static std::vector<double> prior(int place);
+  size_t place_of(int64_t x) const { return size_t(kPad * stride + x + kPad); }
 
   int64_t width_;
   std::vector<KnownValue> known_;
+  std::vector<float> differences_;
   SamplePredictor predictor_;
   // Of the pixel that is coded:
   int32_t drawn_ = 0;
-  std::array<int32_t, kDrawn> slopes_{};                   // of what is drawn
+  std::array<float, kDrawn> slopes_{};                     // of what is drawn
   alignas(64) std::array<float, kPredictorRow> values_{};  // inputs, then the value itself, then zeros
   int early_ = 0;                                          // inputs that are known before the pixel
-  double predicted_ = 0;                                   // by these
+  float predicted_ = 0;                                    // by these
   float weight_ = 0;                                       // of the value that came; 0: learned
 };
 

@@ -97,7 +97,7 @@ class ResidualCoding {
       if (held[c])
         hold(values[at + c], k, x);
       else if (found >= 0 && !is_solved_)
-        channels_[k].note(x, {values[at + c] - channels_[k].drawn(), 0, values[at + c], {0, 0}});
+        channels_[k].note(x, {0, values[at + c], {0, 0}});
       else if (!code_value(values[at + c], k, x, found >= 0))
         return false;
     }
@@ -152,8 +152,7 @@ class ResidualCoding {
       value = std::clamp(predicted.middle + steps * own.step, 0, own.most);
     }
     own.expect(value, context.spread);
-    own.note(x, {value - own.drawn(),
-                 own.whole(std::abs(value * kFraction - predicted.exact)),
+    own.note(x, {own.whole(std::abs(value * kFraction - predicted.exact)),
                  value,
                  {own.miss(value, context.guesses[0]), own.miss(value, context.guesses[1])}});
     return true;

@@ -11,7 +11,7 @@
 namespace sgi {
 
 constexpr int kResidualNodes = 16;  // bits of a value that have models of their own; one is not in use
-constexpr std::array<uint32_t, 5> kResidualContexts{2048, 128, 1248, 1248, 16};
+constexpr std::array<uint32_t, 4> kResidualContexts{2048, 128, 1248, 1248};
 constexpr uint32_t kResidualModels = [] {
   uint32_t contexts = 0;
   for (const uint32_t count : kResidualContexts) contexts += count;
@@ -48,7 +48,7 @@ class ResidualContexts {
     const std::array<uint32_t, kResidualContexts.size()> numbers{
         (coarse * kLevels + size_class(before / 4, 0, kLevels)) * kLevels + size_class(earlier / 4, 0, kLevels),
         uint32_t(predicted.middle >> own_.scale) * 8 + std::min(coarse / 2, 7u), guessed(copy, 0, predicted),
-        guessed(move, 1, predicted), size_class(spread, 0, kResidualContexts.back())};
+        guessed(move, 1, predicted)};
     ResidualContext found{{}, {copy.value, move.value}, spread};
     uint32_t start = 0;
     for (size_t i = 0; i < numbers.size(); ++i) {

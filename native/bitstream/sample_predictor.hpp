@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <cstring>
 #include <vector>
 
 #include "bitstream/predictor_kernel.hpp"
@@ -33,12 +34,23 @@ class SamplePredictor {
     found.age = Age::this_row;
     kernel_.solve(sums(segment), sums(segment - 1), sums(segment + 1), prior_.data(), inputs(), found.values.data());
   }
-  // `sum` and the weighted sum of inputs from `begin` to `end`, by the weights of the segment.
-  double predict(const float *inputs, int begin, int end, double sum) const {
-    const Weights &found = weights_[size_t(segment_)];
-    for (int i = begin; i < end; ++i) sum += found.values[size_t(i)] * double(inputs[i]);
-    return sum;
+  // The weighted sum of inputs [kPredictorRow], by the weights of the segment: of the products, those 16 places apart
+  // are added, then those 8 apart, 4, 2 and 1.
+  float predict(const float *inputs) const {
+    using Four = float __attribute__((vector_size(16)));
+    constexpr size_t kFours = kPredictorRow / 4;
+    Four sums[kFours];
+    for (size_t i = 0; i < kFours; ++i) {
+      Four input, weight;
+      std::memcpy(&input, inputs + 4 * i, sizeof input);
+      std::memcpy(&weight, &weights()[4 * i], sizeof weight);
+      sums[i] = weight * input;
+    }
+    for (size_t half = kFours / 2; half; half /= 2)
+      for (size_t i = 0; i < half; ++i) sums[i] += sums[i + half];
+    return (sums[0][0] + sums[0][2]) + (sums[0][1] + sums[0][3]);
   }
+  float weight(int input) const { return weights()[size_t(input)]; }
   // Learns that values [kPredictorRow], the inputs, then the sample itself, then zeros, came together in the segment.
   void learn(const float *values, float weight) { kernel_.learn(sums(segment_), values, weight, inputs()); }
   // A row is done: lets all that was learned fade.
@@ -60,10 +72,11 @@ class SamplePredictor {
   // When weights were found.
   enum class Age : uint8_t { old, last_row, this_row };
   struct Weights {
-    std::array<double, kPredictorInputs> values{};
+    alignas(16) std::array<float, kPredictorRow> values{};  // zeros behind the inputs
     Age age = Age::old;
   };
 
+  const std::array<float, kPredictorRow> &weights() const { return weights_[size_t(segment_)].values; }
   // Those of a segment, of the nearest where there is none.
   float *sums(int64_t segment) {
     return sums_[0].sums + std::clamp<int64_t>(segment, 0, segments_ - 1) * (inputs() + 1) * kPredictorRow;

@@ -12,8 +12,8 @@ from page_bits import QUICK, STEADY, BitModels, Code
 __all__ = ["block"]
 
 F32 = np.float32
-NEAR = ((0, -1), (-1, 0), (-1, -1), (-1, 1), (0, -2), (-2, 0), (-2, 1), (-1, 2), (-2, -1), (-1, -2))
-OTHER = ((0, -1), (-1, 0), (-1, 1), (-1, -1))
+NEAR = ((0, -2), (0, -1), (-1, -2), (-1, -1), (-1, 0), (-1, 1), (-1, 2), (-2, -1), (-2, 0), (-2, 1))
+OTHER = ((0, -1), (-1, -1), (-1, 0), (-1, 1))
 CROSS = ((0, -1), (-1, 0), (0, 1), (1, 0))
 
 
@@ -242,11 +242,11 @@ class _Channel:
         height, width = drawn.shape
         self.n = 15 + 5 * min(k, 2) + 4 * (k > 0)
         self.prior = np.zeros(self.n)
-        self.prior[:4] = 0.4, 0.45, -0.15, 0.1
+        self.prior[[1, 3, 4, 5]] = 0.4, -0.15, 0.45, 0.1
         if k:
             self.prior[-1] = 0.8
         self.sums = np.zeros(((width + 31) // 32, self.n + 1, self.n + 1), F32)
-        self.weights = [self.prior] * len(self.sums)
+        self.weights = [self.prior.astype(F32)] * len(self.sums)
         self.found_in = [-2] * len(self.sums)
         self.e = np.zeros((height + 2, width + 4), int)
         self.magnitude = np.full((height + 2, width + 4), 64)
@@ -273,7 +273,7 @@ class _Channel:
         for i in range(n - 1, -1, -1):
             weights[i] = shares[i, n]
             shares[:i, n] -= shares[:i, i] * weights[i]
-        self.weights[segment] = weights
+        self.weights[segment] = weights.astype(F32)
 
     def d(self, y: int, x: int) -> int:
         height, width = self.drawn.shape
@@ -295,10 +295,13 @@ class _Channel:
     def sample(self, channels: list[_Channel], y: int, x: int, known: int | None, models: BitModels, code: Code) -> int:
         k, v, j = self.k, y + 2, x + 2
         drawn, inputs = self.d(y, x), [*self.inputs, *(other.e[v, j] for other in channels[max(0, k - 2) : k])]
-        total = 0.0
-        for weight, value in zip(self.weights[self.segment], inputs, strict=True):
-            total += weight * float(value)
-        p = math.floor(16 * min(float(self.largest), max(0.0, drawn + total)) + 0.5)
+        products, early = self.weights[self.segment] * np.array(inputs, F32), len(self.inputs)
+        sums = np.append(products[:early], np.zeros(32 - early, F32))
+        while len(sums) > 1:
+            sums = sums[: len(sums) // 2] + sums[len(sums) // 2 :]
+        for product in products[early:]:
+            sums = sums + product
+        p = math.floor(16 * min(float(self.largest), max(0.0, drawn + float(sums[0]))) + 0.5)
         middle = (p + 8) >> 4
         f = p - 16 * middle
         guesses = self.guesses(channels, v, j)
@@ -306,7 +309,6 @@ class _Channel:
         for i, (guess, kind) in enumerate(guesses):
             place = min(6, max(-6, self.steps(guess - middle))) + 6
             numbers.append((2176, 3424)[i] + ((place * 4 + kind) * 12 + self.doubt(i, v, j)) * 2 + (f >= 0))
-        numbers.append(4672 + _size(spread, 0, 16))
 
         def coded(node: int) -> int:
             return models.bit(code, STEADY, *(16 * number + node for number in numbers))
