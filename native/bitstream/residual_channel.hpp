@@ -49,6 +49,7 @@ class ResidualChannel {
     std::copy(known_.begin() + stride, known_.end(), known_.begin());
     std::fill(known_.end() - stride, known_.end(), KnownValue());
     std::copy(differences_.begin() + stride, differences_.end(), differences_.begin());
+    std::fill(differences_.end() - stride, differences_.end(), 0.0f);
   }
 
   // How many steps lie between values, to the nearest.

@@ -309,7 +309,7 @@ def footprints(view: View, cell: int) -> list[dict[int, float]]:
         for sample in range(samples):
             at = view.place(pixel, (sample + 0.5) / samples) / cell - 0.5
             low = math.floor(at)
-            behind = at - low + 1.0
+            behind = at - low + 1.5 - 0.5  # two roundings
             for tap in range(4):
                 weights[low - 1 + tap] = weights.get(low - 1 + tap, 0.0) + cubic(behind - tap) / samples
         found.append(weights)
