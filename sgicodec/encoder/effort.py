@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
+from sgicodec.profiles.default import lmbda_of_quality
 from sgicodec.rdoq.settings import RdoqSettings
 from sgicodec.rdoq.texture import NO_SPLIT_SEARCH, SPLIT_SEARCH_MARGIN
 
@@ -34,6 +35,9 @@ VISUAL_STEPS = {1: 60, 2: 130, 3: 200, 4: 300, 5: 450, 6: 900, 7: 1600, 8: 3200,
 """The same for the eye with texture, which sees more of texture than of what more steps give to seeds."""
 LOW_EFFORT_STEPS = 300
 """From so many on, all that RDOQ and the search of texture have is worth its time."""
+_USUAL_LMBDA, _SEED_POWER, _MIN_SEED_FACTOR = lmbda_of_quality(50), 0.6, 0.7
+"""What `Effort.seed_lmbda` follows: for the eye it takes 0.4 % of bytes off at quality 30, 2 at 75 and 4.4 at 88,
+towards squared error 0.6 at 30, 2.3 at 66 and 7 at 80 (docs/notes/2026-11-texture-share.md)."""
 _RDOQ_STEPS = 100
 """From so many on, RDOQ is, for the eye: after 60 it takes a fifth of an encode's time and saves 1.3 % of its bytes
 (docs/notes/2026-11-ladder.md)."""
@@ -46,8 +50,8 @@ class Effort:
     steps: int
     """Optimisation steps of the fit, all phases together."""
     seed_price: float
-    """λ of the seeds in the fit, in the λ of the encode: what they leave costs less as texture than as more seeds, the
-    shorter the fit, the more of it (docs/notes/2026-11-texture-share.md)."""
+    """λ of the seeds in the fit, in the λ of the encode, at quality 50: what they leave costs less as texture than as
+    more seeds, the shorter the fit, the more of it (docs/notes/2026-11-texture-share.md)."""
     rdoq: RdoqSettings
     """How RDOQ follows the fit: its passes, and how far each looks. From the fifth on they gain next to nothing."""
     split_margin: float
@@ -55,6 +59,12 @@ class Effort:
     1 trusts the estimate."""
     ascent_passes: int
     """Passes of gradient ascent on SSIMULACRA 2, each of which searches texture anew."""
+
+    def seed_lmbda(self, lmbda: float) -> float:
+        """λ of the seeds in the fit beneath texture, for the λ of an encode: the finer the steps of texture, the less
+        of what it shows is worth a seed.
+        """
+        return lmbda * self.seed_price * max(float((_USUAL_LMBDA / lmbda) ** _SEED_POWER), _MIN_SEED_FACTOR)
 
 
 def steps_of(effort: int, tuned_for: Tune, has_texture: bool) -> int:

@@ -38,11 +38,11 @@ def test_size_and_metadata(photo: Picture) -> None:
 
 
 @pytest.mark.parametrize(
-    ("corner", "asked"), [((0, 400), 30.0), ((0, 400), 33.0), ((400, 600), 28.0), ((400, 600), 33.0)]
+    ("corner", "asked"), [((0, 400), 30.0), ((0, 400), 34.0), ((400, 600), 28.0), ((400, 600), 33.0)]
 )
 def test_decibels_of_a_stream_of_hundred_bytes(corner: tuple[int, int], asked: float) -> None:
     """Where a single symbol of texture moves the PSNR up or down by more than the tolerance. The first crop cannot have
-    less than 29.7 dB.
+    less than 29.7 dB, nor between 32.5 and 33.3: one of 104 bytes has 33.4.
     """
     top, left = corner
     small = crop("kodim23", np.s_[top : top + 96, left : left + 128])

@@ -55,8 +55,9 @@ def fit_seeds(tile: Tile) -> TileState:
 
 def prepare(tile: Tile) -> Prepared:
     """The tile with its base layer taken off."""
-    seed_price = tile.effort.seed_price if tile.spec.texture else 1.0
-    fit = replace(tile.fit, lmbda=tile.fit.lmbda * seed_price)
+    fit = tile.fit
+    if tile.spec.texture:
+        fit = replace(fit, lmbda=tile.effort.seed_lmbda(fit.lmbda))
     base_step, base, target = base_layer(tile.spec, tile.unit, fit.lmbda)
     return Prepared(tile, tile.fit.lmbda, fit, base_step, base, target, tile.weights)
 
