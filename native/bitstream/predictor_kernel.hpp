@@ -11,7 +11,7 @@ struct PredictorKernel {
   // Adds to sums [inputs + 1, kPredictorRow], of whose rows the part from the diagonal on counts, the products of
   // values [kPredictorRow], times a weight.
   void (*learn)(float *sums, const float *values, float weight, int inputs);
-  // Solves for weights [inputs] by the sums of a segment and of those beside it, drawn to `prior`.
+  // Solves for weights [inputs], rounded at the end, by the sums of a segment and of those beside it, drawn to `prior`.
   void (*solve)(const float *own, const float *left, const float *right, const double *prior, int inputs,
                 float *weights);
   static const PredictorKernel portable, avx2, avx512;

@@ -7,12 +7,12 @@ void ResidualChannel::prepare(int64_t x, const std::vector<ResidualChannel> &cha
   const auto add = [&](const float *from, int count) { to = std::copy_n(from, count, to); };
   const float *near = difference(x);
   add(near - 2, 2), add(near - stride - 2, 5), add(near - 2 * stride - 1, 3);
-  to = std::copy_n(slopes_.data(), kDrawn, to);
+  add(slopes_.data(), kDrawn);
   for (int k = place - others(place); k < place; ++k) {
     const float *there = channels[size_t(k)].difference(x);
     add(there - 1, 1), add(there - stride - 1, 3);
   }
-  if (place) to = std::copy_n(channels[size_t(place - 1)].slopes_.data(), kDrawn, to);
+  if (place) add(channels[size_t(place - 1)].slopes_.data(), kDrawn);
   const KnownValue *here = at(x);
   const int32_t left = here[-1].value, above = here[-stride].value, plane = left + above - here[-stride - 1].value;
   *to++ = float(std::clamp(plane, std::min(left, above), std::max(left, above)) - drawn_);

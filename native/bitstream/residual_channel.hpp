@@ -46,10 +46,7 @@ class ResidualChannel {
   }
   void end_row() {
     predictor_.fade();
-    std::copy(known_.begin() + stride, known_.end(), known_.begin());
-    std::fill(known_.end() - stride, known_.end(), KnownValue());
-    std::copy(differences_.begin() + stride, differences_.end(), differences_.begin());
-    std::fill(differences_.end() - stride, differences_.end(), 0.0f);
+    begin_row(known_), begin_row(differences_);
   }
 
   // How many steps lie between values, to the nearest.
@@ -104,6 +101,12 @@ class ResidualChannel {
   // How many channels before serve a prediction.
   static int others(int place) { return std::min(place, 2); }
   static std::vector<double> prior(int place);
+  // Of rows that are kept the first goes, and behind the last comes one of which nothing is known.
+  template <class T>
+  void begin_row(std::vector<T> &rows) const {
+    std::copy(rows.begin() + stride, rows.end(), rows.begin());
+    std::fill(rows.end() - stride, rows.end(), T());
+  }
   size_t place_of(int64_t x) const { return size_t(kPad * stride + x + kPad); }
 
   int64_t width_;

@@ -55,12 +55,11 @@ class TreeCoding {
 
   // What is known before the flags of a node are coded.
   struct Surroundings {
-    uint32_t split = 0, seeds = 0;             // of the nodes to the left, above, above to the left and to the right
-    uint32_t split_count = 0, seed_count = 0;  // how many of these
-    uint32_t child;                            // its number
-    bool is_occupied, is_last;                 // whether an earlier sibling is, and whether no sibling follows
-    uint32_t parents;                          // what the parent and those around it add to the models
-    uint32_t beside;                           // the same of those on its own side, and of the parent's parent
+    uint32_t split = 0, seeds = 0;  // of the nodes to the left, above, above to the left and to the right, a bit each
+    uint32_t child;                 // its number
+    bool is_occupied, is_last;      // whether an earlier sibling is, and whether no sibling follows
+    uint32_t parents;               // what the parent and those around it add to the models
+    uint32_t beside;                // the same of those on its own side, and of the parent's parent
   };
 
   bool node(int level, int64_t x, int64_t y, const Parent &parent) {
@@ -78,8 +77,8 @@ class TreeCoding {
   bool flag(int level, Flag which, const Surroundings &around, int &value) {
     const uint32_t kind = uint32_t(level - kMinLevel) * kFlags + which;
     const uint32_t alike = which == kSplitFlag ? around.split : around.seeds;
-    const uint32_t others = which == kSplitFlag ? around.seed_count : around.split_count;
-    const std::array<uint32_t, kContexts.size()> within{alike * 4 + std::min(3u, others),
+    const uint32_t others = which == kSplitFlag ? around.seeds : around.split;
+    const std::array<uint32_t, kContexts.size()> within{alike * 4 + std::min(3, __builtin_popcount(others)),
                                                         around.parents * 4 + around.child,
                                                         uint32_t(around.is_occupied) * 4 + around.child, around.beside};
     std::array<BitModel *, kContexts.size() + 1> models;
@@ -112,9 +111,7 @@ class TreeCoding {
     constexpr int kKnownX[4] = {-1, 0, -1, 1}, kKnownY[4] = {0, -1, -1, -1};
     for (int i = 0; i < 4; ++i) {
       const uint32_t node = nodes_.at(level, x + kKnownX[i], y + kKnownY[i]);
-      const uint32_t split = node >> 1, seed = node & TreeNodes::kSeed;
-      around.split |= split << i, around.split_count += split;
-      around.seeds |= seed << i, around.seed_count += seed;
+      around.split |= (node >> 1) << i, around.seeds |= (node & TreeNodes::kSeed) << i;
     }
     const int right = int(x & 1), below = int(y & 1);
     around.child = uint32_t(right + 2 * below);
