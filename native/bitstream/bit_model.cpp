@@ -1,5 +1,6 @@
 #include "bitstream/bit_model.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace sgi {
@@ -7,9 +8,10 @@ namespace sgi {
 const BitTables kBitTables;
 
 BitTables::BitTables() {
-  for (int i = 0; i < 2 * kLogisticHalf; ++i) {
-    const double p = kCertain / (1 + std::exp((kLogisticHalf - i) / 256.0));
-    logistic[size_t(i)] = uint16_t(std::clamp(int(std::lrint(p)), kLeastP, kCertain - 1 - kLeastP));
+  constexpr int kHalf = 1 << (kLogitBits - 1);
+  for (int i = -kHalf; i < kHalf; ++i) {
+    const double p = kCertain / (1 + std::exp(-std::clamp(i, -kMaxLogit, kMaxLogit - 1) / 256.0));
+    logistic[size_t(i & (2 * kHalf - 1))] = uint16_t(std::clamp(int(std::lrint(p)), kLeastP, kCertain - 1 - kLeastP));
   }
   for (int i = 0; i <= int(kSteady); ++i) rate[size_t(i)] = 6 * kCertain / (i + 16);
   for (int i = 0; i <= kCosts; ++i) cost[size_t(i)] = float(-std::log2(std::max(i, 1) / double(kCosts)));

@@ -1,18 +1,18 @@
 // Models of single bits that adapt (docs/format.md, "Bits"): the logit of a bit is the sum of what its models say. All
 // integers.
 #pragma once
-#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
 
 namespace sgi {
 
-constexpr int kCertain = 65536;      // a probability of 1
-constexpr int kLeastP = 16;          // the least that models give
-constexpr int kLeastError = 17;      // that of bits which are as certain as models say
-constexpr int kLogisticHalf = 3072;  // logits beyond are clipped
-constexpr int kCosts = 4096;         // of probabilities in 2^-12
+constexpr int kCertain = 65536;  // a probability of 1
+constexpr int kLeastP = 16;      // the least that models give
+constexpr int kLeastError = 17;  // that of bits which are as certain as models say
+constexpr int kLogitBits = 14;   // of a logit in 2^-8
+constexpr int kMaxLogit = 3072;  // logits beyond are clipped
+constexpr int kCosts = 4096;     // of probabilities in 2^-12
 
 // How many bits a model counts at most: the fewer, the faster it follows what changes
 // (docs/notes/2026-11-residual-layer.md).
@@ -22,9 +22,9 @@ constexpr uint32_t kSteady = 511, kQuick = 80;
 // mathematical library gives the same integers.
 struct BitTables {
   BitTables();
-  std::array<uint16_t, 2 * kLogisticHalf> logistic;  // 65536 / (1 + exp(-x / 256)), x = index - 3072; 16 ... 65519
-  std::array<int32_t, kSteady + 1> rate;             // 65536 * 6 / (bits seen + 16)
-  std::array<float, kCosts + 1> cost;                // bits, by P(bit) in 2^-12
+  std::array<uint16_t, 1 << kLogitBits> logistic;  // 65536 / (1 + exp(-x / 256)), 16 ... 65519, by x modulo 2^14
+  std::array<int32_t, kSteady + 1> rate;           // 65536 * 6 / (bits seen + 16)
+  std::array<float, kCosts + 1> cost;              // bits, by P(bit) in 2^-12
 };
 extern const BitTables kBitTables;
 
@@ -46,10 +46,7 @@ struct BitModel {
 };
 
 // P(1) in 2^-16 by the sum of the words of some models; what they count together is too little to matter.
-inline int32_t probability_of(uint32_t words) {
-  const int32_t logit = int32_t(words) >> (BitModel::kCountBits + 8);
-  return kBitTables.logistic[size_t(std::clamp(logit, -kLogisticHalf, kLogisticHalf - 1) + kLogisticHalf)];
-}
+inline int32_t probability_of(uint32_t words) { return kBitTables.logistic[words >> (32 - kLogitBits)]; }
 
 // Codes a bit under models, which learn. False where `bits` has none.
 template <class Bits, size_t N>

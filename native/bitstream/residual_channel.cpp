@@ -1,18 +1,30 @@
 #include "bitstream/residual_channel.hpp"
 
+#include <cstring>
+
 namespace sgi {
+
+namespace {
+
+// Appends a few numbers, whose count the compiler knows: a call to copy them takes longer than that.
+template <int count>
+void append(float *&to, const float *from) {
+  std::memcpy(to, from, sizeof(float) * count);
+  to += count;
+}
+
+}  // namespace
 
 void ResidualChannel::prepare(int64_t x, const std::vector<ResidualChannel> &channels) {
   float *to = values_.data();
-  const auto add = [&](const float *from, int count) { to = std::copy_n(from, count, to); };
   const float *near = difference(x);
-  add(near - 2, 2), add(near - stride - 2, 5), add(near - 2 * stride - 1, 3);
-  add(slopes_.data(), kDrawn);
+  append<2>(to, near - 2), append<5>(to, near - stride - 2), append<3>(to, near - 2 * stride - 1);
+  append<kDrawn>(to, slopes_.data());
   for (int k = place - others(place); k < place; ++k) {
     const float *there = channels[size_t(k)].difference(x);
-    add(there - 1, 1), add(there - stride - 1, 3);
+    append<1>(to, there - 1), append<3>(to, there - stride - 1);
   }
-  if (place) add(channels[size_t(place - 1)].slopes_.data(), kDrawn);
+  if (place) append<kDrawn>(to, channels[size_t(place - 1)].slopes_.data());
   const KnownValue *here = at(x);
   const int32_t left = here[-1].value, above = here[-stride].value, plane = left + above - here[-stride - 1].value;
   *to++ = float(std::clamp(plane, std::min(left, above), std::max(left, above)) - drawn_);

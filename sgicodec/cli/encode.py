@@ -97,9 +97,8 @@ __all__ = ["encode"]
 @click.option("--texture/--no-texture", default=True, show_default=True, help="Code texture as cosines where it pays.")
 @click.option(
     "--restoration/--no-restoration",
-    default=True,
-    show_default=True,
-    help="Let decoders restore what texture shows by a shipped network.",
+    default=None,
+    help="Let decoders restore what texture shows by a shipped network.  [default: but for --lossless]",
 )
 @click.option(
     "--network",

@@ -56,8 +56,9 @@ class EncodeSettings:
     """Whether RDOQ follows the fit, where it knows the model."""
     texture: bool = True
     """Whether the default profile lays cosines over its seeds where that is cheaper."""
-    restoration: bool = True
-    """Whether a shipped network restores pixels with texture where that is nearer to the picture."""
+    restoration: bool | None = None
+    """Whether a shipped network restores pixels with texture where that is nearer to the picture; None: yes, but below
+    exact samples, where it takes a twelfth of a decode and saves 0.2 % (docs/notes/2026-11-residual-layer.md)."""
     network: bytes | None = None
     """The file of a network that restores pixels instead of a shipped one, which then travels in the stream."""
     tune: Tune | None = None
@@ -127,6 +128,13 @@ class EncodeSettings:
         if self.target is not None:
             return TARGETS[self.target].tune
         return "visual" if self.max_error is None else "psnr"
+
+    @property
+    def restores(self) -> bool:
+        """What is asked for of `restoration`, or else follows from the other settings."""
+        if self.restoration is not None:
+            return self.restoration
+        return self.max_error != 0 or self.network is not None
 
     def grid(self, width: int, height: int) -> TileGrid:
         """The tiles of a picture."""

@@ -83,7 +83,7 @@ def lmbda_of_quality(quality: float) -> float:
 
 def _spec(choices: Choices, channels: int) -> ModelSpec:
     spec = default_spec(channels, texture=choices.texture)
-    return replace(spec, restoration=choices.texture and choices.restoration)
+    return replace(spec, restoration=choices.texture and choices.restores)
 
 
 def _fit_settings(choices: Choices) -> FitSettings:

@@ -132,7 +132,7 @@ def wide() -> Picture:
 
 @pytest.fixture(scope="module")
 def exact(wide: Picture) -> bytes:
-    return encode_picture(wide, replace(LOSSLESS, tile=256, overview=True)).data
+    return encode_picture(wide, replace(LOSSLESS, tile=256, overview=True, restoration=True)).data
 
 
 def test_a_region_alone(wide: Picture, exact: bytes) -> None:

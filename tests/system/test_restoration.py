@@ -68,6 +68,16 @@ def test_pixels_are_what_the_page_says(streams: dict[str, bytes], name: str) -> 
     assert np.mean(np.abs(found - (drawn + added)) > 1e-4) < 0.05
 
 
+@pytest.mark.parametrize(("max_error", "asked", "restores"), [(0, None, False), (0, True, True), (2, None, True)])
+def test_below_exact_samples_it_is_left_out(
+    photo: Picture, max_error: float, asked: bool | None, restores: bool
+) -> None:
+    settings = replace(QUICK, max_error=max_error, restoration=asked)
+    with open_stream(encode_picture(photo, settings).data) as stream:
+        assert stream.header.spec.restoration == restores
+        assert (stream.model.restoration is not None) == restores
+
+
 def test_it_brings_pixels_nearer(photo: Picture, streams: dict[str, bytes]) -> None:
     restored, plain = (open_stream(streams[name]).picture() for name in ("psnr", "plain"))
     assert len(streams["psnr"]) < 1.01 * len(streams["plain"])
