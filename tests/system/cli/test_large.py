@@ -34,7 +34,7 @@ def test_report_and_info(picture: Path, tmp_path: Path) -> None:
     assert report["tiles"] == 2
     assert report["bytes"] == size
     assert sum(report["parts"].values()) == pytest.approx(size)
-    assert "2 tiles of 32×32 pixels, 1 worker, about" in result.stderr
+    assert "2 tiles of 28×32 pixels, 1 worker, about" in result.stderr
     facts = json.loads(sgi("info", tmp_path / "a.sgi", "--survey", "--json").stdout)
     assert facts["tiles"] == 2
     assert facts["seeds"] == report["seeds"]

@@ -24,7 +24,7 @@ SIDE = 256
 def data() -> bytes:
     """16 tiles of noise and an overview."""
     pixels = np.random.default_rng(1).integers(0, 256, (SIDE, SIDE, 3), np.uint8)
-    return sgicodec.encode(pixels, quality=100, texture=False, steps=2, tile=TILE, overview=True, rdoq=False)
+    return sgicodec.encode(pixels, quality=100, texture=False, steps=2, tile=TILE, apron=8, overview=True, rdoq=False)
 
 
 @pytest.fixture(autouse=True)
