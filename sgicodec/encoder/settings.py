@@ -22,8 +22,8 @@ TILE, MAX_PIXELS_OF_ONE = 1024, 1 << 22
 """Pixels of a tile's side, where nothing else is asked for, and those of the largest picture that is then one tile."""
 
 APRON = 4
-"""Pixels that a tile reaches over its neighbours, where nothing else is asked for: 8 take 0.5 to 1 % more bytes of large
-pictures, 0 show seams (docs/notes/2026-11-large-pictures.md, "Half the overlap")."""
+"""Pixels that a tile reaches over its neighbours, where nothing else is asked for: 8 take 0.5 to 1 % more bytes of
+large pictures, 0 show seams (docs/notes/2026-11-large-pictures.md, "Half the overlap")."""
 
 _NUMBERS: dict[str, type] = {"int": Integral, "float": Real}
 
