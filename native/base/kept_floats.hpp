@@ -2,22 +2,29 @@
 #pragma once
 #include <cstdint>
 #include <memory>
+#include <utility>
 
 namespace sgi {
 
+// Memory of one owner, which the next one gets when it ends: given back to the system each time, its pages would be
+// cleared and mapped anew, a seventh of a decode (docs/notes/2026-11-decode.md). Safe for use by several threads, one
+// owner each.
 class KeptFloats {
  public:
-  // Room for so many, whatever they hold. What was handed out before is lost.
-  float *room(int64_t size) {
-    if (size > size_) {
-      held_.reset();
-      held_.reset(new float[size]);
-      size_ = size;
-    }
-    return held_.get();
+  KeptFloats() = default;
+  KeptFloats(KeptFloats &&other) noexcept : held_(std::move(other.held_)), size_(std::exchange(other.size_, 0)) {}
+  KeptFloats &operator=(KeptFloats &&other) noexcept {
+    std::swap(held_, other.held_), std::swap(size_, other.size_);
+    return *this;
   }
+  ~KeptFloats() { give_back(); }
+
+  // Room for so many, whatever they hold. What was handed out before is lost.
+  float *room(int64_t size);
 
  private:
+  void give_back();
+
   std::unique_ptr<float[]> held_;
   int64_t size_ = 0;
 };

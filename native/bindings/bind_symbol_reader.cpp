@@ -131,10 +131,9 @@ auto write_mask(const Array<const uint8_t, 2> &mask) {
 auto read_texture(SymbolReader &reader, Size size, int channels) {
   require_size(size);
   require(channels >= 1 && channels <= sgi::kMaxChannels, "1 to 64 channels");
-  sgi::TextureCells cells;
   std::optional<sgi::CodedTexture> texture;
   if (auto indices = sgi::read_texture_indices(reader, size.first, size.second, channels))
-    texture = sgi::read_texture_layer(reader, std::move(*indices), size.first, size.second, channels, cells);
+    texture = sgi::read_texture_layer(reader, std::move(*indices), size.first, size.second, channels);
   return texture ? std::optional(sgi::texture_arrays(texture->indices, std::move(texture->field))) : std::nullopt;
 }
 

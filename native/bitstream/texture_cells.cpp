@@ -8,14 +8,15 @@ namespace sgi {
 namespace {
 
 constexpr int64_t kPiece = 1 << 15;  // floats; small enough to be memory that was used before
+constexpr int kWaves = 4;            // rows are there by fours
 
 }  // namespace
 
 void TextureCells::reserve(const TextureField &field) {
   const int64_t cells = field.unit_count();
-  corner.reserve(size_t(2 * cells)), log_size.reserve(size_t(cells)), amplitudes.reserve(size_t(cells));
-  waves.reserve(size_t(cells * field.channels));
-  amplitude_most = int64_t(field.symbols.size());
+  corner.reserve(size_t(2 * cells)), log_size.reserve(size_t(cells));
+  amplitudes.reserve(size_t(cells * field.channels)), waves.reserve(size_t(cells * field.channels));
+  floats_to_come = field.channels * field.width * field.height;
 }
 
 Texture TextureCells::texture(int channels, int64_t width, int64_t height) const {
@@ -32,25 +33,21 @@ TextureDequantizer::TextureDequantizer(const TextureSteps &steps, const std::arr
 void TextureDequantizer::begin(const TextureCell &cell, int contrast) {
   found_.corner.insert(found_.corner.end(), {int32_t(cell.x), int32_t(cell.y)});
   found_.log_size.push_back(uint8_t(cell.log));
-  const int64_t size = int64_t(steps_.channels()) << 2 * cell.log;
-  if (size > room_) {
-    room_ = std::max(size, std::min(kPiece, found_.amplitude_most - found_.amplitude_count));
-    first_ = found_.memory.emplace_back(new float[size_t(room_)]).get();
-  } else {
-    first_ += int64_t(steps_.channels()) << 2 * log_;
-  }
-  room_ -= size;
-  found_.amplitudes.push_back(first_);
-  found_.amplitude_count += size;
   log_ = cell.log, contrast_ = contrast, channel_ = 0;
+  const int64_t size = steps_.channels() * plane();
+  if (size > room_) {
+    room_ = std::max(size, std::min(kPiece, found_.floats_to_come));
+    next_ = found_.memory.emplace_back().room(room_);
+    found_.floats += room_;
+  }
+  found_.floats_to_come -= size;
 }
 
 void TextureDequantizer::channel(const int16_t *values, int64_t stride, int last) {
   const Values &small = values_of(channel_);
   const float *growth = steps_.growth(channel_, log_);
-  const int64_t size = int64_t(1) << 2 * log_;
-  float *const to = first_ + channel_ * size;
-  std::fill_n(to, size, 0.0f);
+  float *const to = next_;
+  std::fill_n(to, std::min(plane(), int64_t(last + kWaves) / kWaves * kWaves << log_), 0.0f);
   QuantizerState state;
   int down = 0, across = 0;
   for (const Frequency &at : texture_scan(log_)) {
@@ -64,7 +61,10 @@ void TextureDequantizer::channel(const int16_t *values, int64_t stride, int last
     if (!symbol) continue;
     down = std::max(down, at.v + 1), across = std::max(across, at.u + 1);
   }
-  found_.waves.push_back({uint8_t((down + 3) / 4 * 4), uint8_t(across)});
+  const int rows = (down + kWaves - 1) / kWaves * kWaves;
+  found_.waves.push_back({uint8_t(rows), uint8_t(across)});
+  found_.amplitudes.push_back(to);
+  take(mixed_ ? plane() : int64_t(rows) << log_);
   ++channel_;
 }
 
@@ -86,14 +86,25 @@ const TextureDequantizer::Values &TextureDequantizer::values_of(int channel) {
   return values;
 }
 
+// Colours of texture are mixed where they were read, and moved up to each other. The first channel stays as it is.
 void TextureDequantizer::end() {
   if (!mixed_) return;
-  const int64_t size = int64_t(1) << 2 * log_;
   Waves *const waves = &found_.waves[found_.waves.size() - size_t(channel_)];
-  for (int c = 1; c < 3; ++c)
-    for (int other = 0; other < 3; ++other)
-      waves[c] = {std::max(waves[c].down, waves[other].down), std::max(waves[c].across, waves[other].across)};
-  mix_colours(mix_, first_, size, waves[1].down << log_);
+  Waves most;
+  for (int c = 0; c < 3; ++c) most = {std::max(most.down, waves[c].down), std::max(most.across, waves[c].across)};
+  float *const first = next_ - channel_ * plane();
+  for (int c = 0; c < 3; ++c)
+    std::fill(first + c * plane() + (waves[c].down << log_), first + c * plane() + (most.down << log_), 0.0f);
+  mix_colours(mix_, first, plane(), most.down << log_);
+  waves[1] = waves[2] = most;
+  take(-channel_ * plane());
+  for (int c = 0; c < channel_; ++c) {
+    const float *from = first + c * plane();
+    const int64_t floats = waves[c].down << log_;
+    if (from != next_) std::copy_n(from, floats, next_);
+    found_.amplitudes[found_.amplitudes.size() - size_t(channel_ - c)] = next_;
+    take(floats);
+  }
 }
 
 namespace {

@@ -2,9 +2,9 @@
 #pragma once
 #include <array>
 #include <cstdint>
-#include <memory>
 #include <vector>
 
+#include "base/kept_floats.hpp"
 #include "bitstream/texture_field.hpp"
 #include "model/texture.hpp"
 #include "model/texture_colours.hpp"
@@ -23,12 +23,12 @@ struct TextureCells {
   // Those that are there, of a tile of width x height pixels.
   Texture texture(int channels, int64_t width, int64_t height) const;
 
-  std::vector<int32_t> corner;                      // [N, 2]
-  std::vector<uint8_t> log_size;                    // [N]
-  std::vector<const float *> amplitudes;            // [N] of each cell [C, n, n]
-  std::vector<Waves> waves;                         // [N, C]
-  std::vector<std::unique_ptr<float[]>> memory;     // where amplitudes are
-  int64_t amplitude_count = 0, amplitude_most = 0;  // those of all cells so far; that the field may have
+  std::vector<int32_t> corner;             // [N, 2]
+  std::vector<uint8_t> log_size;           // [N]
+  std::vector<const float *> amplitudes;   // [N, C] of each cell [n, n], of which rows behind `waves` are not there
+  std::vector<Waves> waves;                // [N, C]
+  std::vector<KeptFloats> memory;          // where amplitudes are
+  int64_t floats = 0, floats_to_come = 0;  // of that memory; of cells that the field may still have, at most
 };
 
 // Finds amplitudes as cells are read, in coding order.
@@ -54,6 +54,9 @@ class TextureDequantizer {
     float of[2][2 * kSmall + 1];
   };
 
+  // Floats of a whole channel of the cell.
+  int64_t plane() const { return int64_t(1) << 2 * log_; }
+  void take(int64_t floats) { next_ += floats, room_ -= floats; }
   const Values &values_of(int channel);
   float value_of(int symbol, QuantizerState state, float step) const;
 
@@ -64,8 +67,8 @@ class TextureDequantizer {
   const std::array<double, 9> mix_;
   std::vector<Values> values_;  // [C]
   int log_ = 0, contrast_ = 0, channel_ = 0;
-  float *first_ = nullptr;  // amplitude of the cell
-  int64_t room_ = 0;        // floats behind those of the cell in the same piece of memory
+  float *next_ = nullptr;  // where amplitudes to come go
+  int64_t room_ = 0;       // floats there in the same piece of memory
 };
 
 // Gives it all cells of a field with extents.

@@ -5,10 +5,17 @@
 
 namespace sgi {
 
-TextureField::TextureField(int64_t roots_across, int64_t roots_down, int channels_)
+TextureField::TextureField(int64_t roots_across, int64_t roots_down, int channels_, KeptSymbols kept)
     : width(roots_across << kTextureRoot), height(roots_down << kTextureRoot), channels(channels_),
       log_size(size_t((width / kUnit) * (height / kUnit))), contrast(size_t(roots_across * roots_down)),
-      symbols(size_t(channels * width * height)), extent(size_t(channels) * log_size.size()) {}
+      rows(kept == KeptSymbols::all ? height : std::min(height, kLastRows)), symbols(size_t(channels * rows * width)),
+      extent(size_t(channels) * log_size.size()) {}
+
+void TextureField::begin_roots(int64_t y) {
+  if (y < rows) return;
+  for (int channel = 0; channel < channels; ++channel)
+    std::fill_n(at(channel, {0, y, kTextureRoot}), width << kTextureRoot, int16_t(0));
+}
 
 void TextureField::mark(const TextureCell &cell, int log) {
   const int64_t across = cell.side() / kUnit;

@@ -22,14 +22,18 @@ struct TextureCell {
   }
 };
 
+// Of which symbols a field keeps.
+enum class KeptSymbols { all, last_rows };  // the latter of the row of roots that is coded and of the one above
+
 struct TextureField {
-  TextureField(int64_t roots_across, int64_t roots_down, int channels);
+  TextureField(int64_t roots_across, int64_t roots_down, int channels, KeptSymbols kept = KeptSymbols::all);
 
   int64_t width, height;  // pixels, of all roots
   int channels;
   std::vector<uint8_t> log_size;  // [height, width] / unit: of the cell with texture that lies there, else 0
   std::vector<int8_t> contrast;   // [height, width] / 32: the index that scales a root's steps
-  std::vector<int16_t> symbols;   // [C, height, width]
+  int64_t rows;                   // of symbols that are kept
+  std::vector<int16_t> symbols;   // [C, rows, width]
   std::vector<uint8_t> extent;    // [C, height, width] / unit: of 16, how far up the frequencies go
 
   int64_t units() const { return width / kUnit; }
@@ -38,10 +42,11 @@ struct TextureField {
     return (y >> kTextureRoot) * (width >> kTextureRoot) + (x >> kTextureRoot);
   }
   int64_t unit_count() const { return int64_t(log_size.size()); }
-  int16_t *at(int channel, const TextureCell &cell) { return &symbols[(channel * height + cell.y) * width + cell.x]; }
-  const int16_t *at(int channel, const TextureCell &cell) const {
-    return &symbols[(channel * height + cell.y) * width + cell.x];
-  }
+  int16_t *at(int channel, const TextureCell &cell) { return &symbols[place(channel, cell)]; }
+  const int16_t *at(int channel, const TextureCell &cell) const { return &symbols[place(channel, cell)]; }
+
+  // Makes room for a row of roots that begins at this row of pixels, in the place of rows that are not kept.
+  void begin_roots(int64_t y);
 
   // Says that a cell holds texture, or with log 0 none.
   void mark(const TextureCell &cell, int log);
@@ -60,8 +65,13 @@ struct TextureField {
   void clear(const TextureCell &cell);
 
  private:
+  size_t place(int channel, const TextureCell &cell) const {
+    return size_t((channel * rows + (rows == height ? cell.y : cell.y % kLastRows)) * width + cell.x);
+  }
   void put(const TextureCell &cell, int channel, const int16_t *values, int rows);
   void state_extent(const TextureCell &cell, int channel, int last);
+
+  static constexpr int64_t kLastRows = 2 << kTextureRoot;
 };
 
 // A frequency (u, v) of a cell; index: v * n + u.

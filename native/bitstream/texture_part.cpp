@@ -45,6 +45,13 @@ TextureColours read_colours(SymbolReader &reader) {
   return colours;
 }
 
+void read_layer(SymbolReader &reader, const TextureIndices &indices, int64_t width, int64_t height, TextureField &field,
+                TextureDequantizer *cells, const RowsRead &rows_read) {
+  const double before = reader.decoder().content();
+  read_texture(shipped_texture_models(), reader, width, height, indices.has_contrast, field, cells, rows_read);
+  reader.book(Part::texture, reader.decoder().content() - before);
+}
+
 }  // namespace
 
 TextureSteps TextureIndices::steps() const {
@@ -81,16 +88,19 @@ std::optional<TextureIndices> read_texture_indices(SymbolReader &reader, int64_t
 }
 
 CodedTexture read_texture_layer(SymbolReader &reader, TextureIndices indices, int64_t width, int64_t height,
-                                int channels, TextureCells &cells, const TextureRows &rows_read) {
-  const double before = reader.decoder().content();
+                                int channels) {
   TextureField field = empty_field(width, height, channels);
+  read_layer(reader, indices, width, height, field, nullptr, nullptr);
+  return {std::move(indices), std::move(field)};
+}
+
+void read_texture_cells(SymbolReader &reader, const TextureIndices &indices, int64_t width, int64_t height,
+                        int channels, TextureCells &cells, const TextureRows &rows_read) {
+  TextureField field = empty_field(width, height, channels, KeptSymbols::last_rows);
   TextureDequantizer dequantizer(indices.steps(), indices.added(), indices.colours, cells);
   cells.reserve(field);
-  RowsRead told;
-  if (rows_read) told = [&](int64_t rows) { rows_read(rows, cells.texture(channels, width, height)); };
-  read_texture(shipped_texture_models(), reader, width, height, indices.has_contrast, field, dequantizer, told);
-  reader.book(Part::texture, reader.decoder().content() - before);
-  return {std::move(indices), std::move(field)};
+  read_layer(reader, indices, width, height, field, &dequantizer,
+             [&](int64_t rows) { rows_read(rows, cells.texture(channels, width, height)); });
 }
 
 }  // namespace sgi

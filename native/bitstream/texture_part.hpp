@@ -41,8 +41,11 @@ using TextureRows = std::function<void(int64_t rows, const Texture &cells)>;
 // large or takes more memory, unsupported for models of another number, corrupt.
 std::optional<TextureIndices> read_texture_indices(SymbolReader &reader, int64_t width, int64_t height, int channels,
                                                    int64_t memory = kAnyMemory);
-// Then the layer, and its amplitudes into `cells`. Throws Error (corrupt).
+// Then the layer, as symbols. Throws Error (corrupt).
 CodedTexture read_texture_layer(SymbolReader &reader, TextureIndices indices, int64_t width, int64_t height,
-                                int channels, TextureCells &cells, const TextureRows &rows_read = nullptr);
+                                int channels);
+// Or as cells with amplitudes, whose symbols are not kept. Throws Error (corrupt).
+void read_texture_cells(SymbolReader &reader, const TextureIndices &indices, int64_t width, int64_t height,
+                        int channels, TextureCells &cells, const TextureRows &rows_read);
 
 }  // namespace sgi

@@ -89,8 +89,8 @@ class LayerCoding {
 
 }  // namespace
 
-TextureField empty_field(int64_t width, int64_t height, int channels) {
-  return {texture_roots(width), texture_roots(height), channels};
+TextureField empty_field(int64_t width, int64_t height, int channels, KeptSymbols kept) {
+  return {texture_roots(width), texture_roots(height), channels, kept};
 }
 
 TextureBits write_texture(BitModels &models, const TextureField &field, int64_t width, int64_t height,
@@ -108,11 +108,12 @@ TextureBits write_texture(BitModels &models, const TextureField &field, int64_t 
 }
 
 void read_texture(BitModels models, SymbolReader &reader, int64_t width, int64_t height, bool has_contrast,
-                  TextureField &field, TextureDequantizer &cells, const RowsRead &rows_read) {
+                  TextureField &field, TextureDequantizer *cells, const RowsRead &rows_read) {
   BitReader bits(reader.decoder());
-  LayerCoding<BitReader> layer(models, field, bits, nullptr, &cells, width, height, has_contrast);
+  LayerCoding<BitReader> layer(models, field, bits, nullptr, cells, width, height, has_contrast);
   std::vector<int32_t> &symbols = layer.coding.symbols;
   each_root(width, height, [&](const TextureCell &cell) {
+    if (!cell.x) field.begin_roots(cell.y);
     if (layer.sound()) layer.root(cell);
     reader.record(symbols.data(), int64_t(symbols.size()));
     symbols.clear();

@@ -20,15 +20,15 @@ TextureBits write_texture(BitModels &models, const TextureField &field, int64_t 
                           bool has_contrast);
 
 // The layer of a tile before anything is read or found.
-TextureField empty_field(int64_t width, int64_t height, int channels);
+TextureField empty_field(int64_t width, int64_t height, int channels, KeptSymbols kept = KeptSymbols::all);
 
 // Told after each row of roots how many rows of the tile's pixels have all their cells; may be empty.
 using RowsRead = std::function<void(int64_t rows)>;
 
-// Reads a layer into an empty one, and its amplitudes. Throws Error (corrupt) where the payload does not decode or
-// spells with more than it takes.
+// Reads a layer into an empty one, and its amplitudes unless `cells` is null. Throws Error (corrupt) where the payload
+// does not decode or spells with more than it takes.
 void read_texture(BitModels models, SymbolReader &reader, int64_t width, int64_t height, bool has_contrast,
-                  TextureField &field, TextureDequantizer &cells, const RowsRead &rows_read);
+                  TextureField &field, TextureDequantizer *cells, const RowsRead &rows_read);
 
 // Roots that cover a side of so many pixels.
 inline int64_t texture_roots(int64_t side) { return (side + (1 << kTextureRoot) - 1) >> kTextureRoot; }

@@ -50,9 +50,12 @@ TileModel TileReader::model() {
   return model;
 }
 
-CodedTexture TileReader::texture(TextureCells &cells, const TextureRows &rows_read) {
-  return read_texture_layer(reader_, std::move(*texture_), header_.width, header_.height, spec_.channels, cells,
-                            rows_read);
+CodedTexture TileReader::texture() {
+  return read_texture_layer(reader_, std::move(*texture_), header_.width, header_.height, spec_.channels);
+}
+
+void TileReader::texture_cells(TextureCells &cells, const TextureRows &rows_read) {
+  read_texture_cells(reader_, *texture_, header_.width, header_.height, spec_.channels, cells, rows_read);
 }
 
 TileEnd TileReader::finish() {
@@ -135,8 +138,7 @@ void TileReader::read_attributes(TileModel &model) {
 TileModel read_tile(const Header &header, Bytes payload, const TileReading &how) {
   TileReader reader(header, payload, how);
   TileModel model = reader.model();
-  TextureCells cells;
-  if (reader.has_texture()) model.coding.texture = reader.texture(cells);
+  if (reader.has_texture()) model.coding.texture = reader.texture();
   model.end = reader.finish();
   return model;
 }

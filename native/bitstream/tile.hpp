@@ -72,9 +72,10 @@ class TileReader {
 
   // First all but texture and `end`.
   TileModel model();
-  // Then texture, where there is some.
+  // Then texture, where there is some: its symbols, or what draws it.
   bool has_texture() const { return texture_.has_value(); }
-  CodedTexture texture(TextureCells &cells, const TextureRows &rows_read = nullptr);
+  CodedTexture texture();
+  void texture_cells(TextureCells &cells, const TextureRows &rows_read);
   // Then the end of the payload: nothing may be left.
   TileEnd finish();
 

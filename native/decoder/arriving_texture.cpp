@@ -16,7 +16,7 @@ void ArrivingTexture::read() {
       of.arrived_.notify_all();
     }
   } const ending{*this};
-  reader_->texture(cells_, [&](int64_t rows, const Texture &cells) {
+  reader_->texture_cells(cells_, [&](int64_t rows, const Texture &cells) {
     const std::lock_guard<std::mutex> lock(mutex_);
     rows_ = rows, there_ = cells;
     arrived_.notify_all();

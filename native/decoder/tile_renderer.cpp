@@ -111,7 +111,7 @@ int64_t TileRenderer::memory() const {
   if (texture_ && texture_->has_ended()) {
     const TextureCells &cells = texture_->cells();
     bytes += bytes_of(cells.corner) + bytes_of(cells.log_size) + bytes_of(cells.amplitudes) + bytes_of(cells.waves) +
-             cells.amplitude_count * int64_t(sizeof(float));
+             cells.floats * int64_t(sizeof(float));
   }
   const Mask *before = nullptr;
   for (const BandMask &mask : masks_) {

@@ -5,7 +5,8 @@
 
 namespace sgi {
 
-// Of a channel of a cell, rows, a multiple of four, and columns of amplitudes behind which all are zero.
+// Of a channel of a cell, rows, a multiple of four, and columns of amplitudes behind which all are zero; such rows need
+// not be there.
 struct Waves {
   uint8_t down = 0, across = 0;
 };
@@ -14,7 +15,7 @@ struct Waves {
 struct Texture {
   const int32_t *corner;           // [N, 2]
   const uint8_t *log_size;         // [N] kTextureLeast ... kTextureRoot
-  const float *const *amplitudes;  // of each cell [C, n, n], side n
+  const float *const *amplitudes;  // [N, C] of each cell [n, n], side n
   const Waves *waves;              // [N, C]
   int64_t count;
   int channels;

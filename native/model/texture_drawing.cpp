@@ -39,9 +39,10 @@ void TextureDrawing::add_cell(int64_t cell, int64_t x0, int64_t x1, int64_t y0, 
   part.rows = int(lower - upper);
   part.columns = int(last - first);
   for (int c = 0; c < texture_.channels; ++c) {
-    const Waves &waves = texture_.waves[cell * texture_.channels + c];
+    const int64_t channel = cell * texture_.channels + c;
+    const Waves &waves = texture_.waves[channel];
     if (!waves.across) continue;
-    part.amplitudes = texture_.amplitudes[cell] + c * side * side;
+    part.amplitudes = texture_.amplitudes[channel];
     part.waves_down = waves.down;
     part.waves_across = waves.across;
     kernel_.add(part, planes + (c * blocks_.height + upper - top) * blocks_.stride + first - left, blocks_.stride);
