@@ -41,6 +41,9 @@ if TYPE_CHECKING:
 
 __all__ = ["encode"]
 
+_MAX_FILE = 1 << 20
+"""Bytes that are read of networks: more than any may have."""
+
 
 @click.command(
     cls=HelpfulCommand,
@@ -55,6 +58,7 @@ __all__ = ["encode"]
             "texture",
             "restoration",
             "network",
+            "prior",
             "features",
             "levels",
             "steps",
@@ -105,6 +109,12 @@ __all__ = ["encode"]
     type=click.Path(exists=True, dir_okay=False),
     metavar="FILE",
     help="A network that restores pixels instead of the shipped one; the stream takes it along.",
+)
+@click.option(
+    "--prior",
+    type=click.Path(exists=True, dir_okay=False),
+    metavar="FILE",
+    help="Networks of the context model instead of the shipped ones; each tile takes them along.",
 )
 @click.option("--features", type=int, metavar="D", help="Size of a seed's feature; paper profile.")
 @click.option("--levels", type=int, metavar="M", help="Levels of the pyramid; paper profile.")
@@ -177,11 +187,10 @@ def encode(
         if choices["max_error"]:
             raise UsageError("--lossless and --max-error exclude each other")
         choices["max_error"] = 0
-    if choices["network"] is not None:
-        from sgicodec._native import MAX_NETWORK
-
-        with open(choices["network"], "rb") as file:
-            choices["network"] = file.read(MAX_NETWORK + 1)
+    for name in ("network", "prior"):
+        if choices[name] is not None:
+            with open(choices[name], "rb") as file:
+                choices[name] = file.read(_MAX_FILE)
     settings = _settings(choices)
     if cluster is None and (source_at is not None or send_pixels):
         raise UsageError("--source-at and --send-pixels go with --cluster")

@@ -17,6 +17,7 @@ from sgicodec.bitstream.header import (
     encode_header,
 )
 from sgicodec.bitstream.limits import check_model, check_texture
+from sgicodec.bitstream.parts.prior import parse_prior
 from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.errors import LimitError, PictureError, StreamError, UsageError
 from sgicodec.metadata import geo
@@ -127,6 +128,8 @@ def stream_plan(shape: Shape, settings: EncodeSettings) -> Plan:
     )
     if header.network:
         _check_network(header)
+    if settings.prior is not None:
+        parse_prior(settings.prior, spec)
     if grid.tile and settings.target is not None and TARGETS[settings.target].single_tile:
         raise UsageError(f"{settings.target} goes with a single tile only; --tile 0 makes one")
     place = geo.without_statistics(shape.metadata.geo)

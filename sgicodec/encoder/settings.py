@@ -61,6 +61,9 @@ class EncodeSettings:
     exact samples, where it takes a twelfth of a decode and saves 0.2 % (docs/notes/2026-11-residual-layer.md)."""
     network: bytes | None = None
     """The file of a network that restores pixels instead of a shipped one, which then travels in the stream."""
+    prior: bytes | None = None
+    """The file of the networks of the context model instead of the shipped ones, in the default profile; each tile
+    takes them along."""
     tune: Tune | None = None
     """Least squared error or the eye; None for the eye, but for squared error towards a PSNR or under a residual
     layer, which then is smaller."""

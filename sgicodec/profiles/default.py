@@ -83,6 +83,8 @@ def lmbda_of_quality(quality: float) -> float:
 
 def _spec(choices: Choices, channels: int) -> ModelSpec:
     spec = default_spec(channels, texture=choices.texture)
+    if choices.prior is not None:
+        spec = replace(spec, context=replace(spec.context, prior=0))
     return replace(spec, restoration=choices.texture and choices.restores)
 
 
@@ -93,6 +95,7 @@ def _fit_settings(choices: Choices) -> FitSettings:
 
 DEFAULT = Profile(
     name="default",
+    own_choices=("prior",),
     family=1,
     spec=_spec,
     settings=_fit_settings,

@@ -13,7 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from sgicodec.bitstream.parts.prior import load_prior
+from sgicodec.bitstream.parts.prior import load_prior, parse_prior
 from sgicodec.bitstream.parts.tile import TileModel
 from sgicodec.encoder.tile.least_squares import LeastSquares
 from sgicodec.encoder.tile.perceptual import Perceptual
@@ -22,6 +22,7 @@ from sgicodec.encoder.tile.state import Prepared, Tile, TileState
 from sgicodec.fit.base_layer import base_layer
 from sgicodec.fit.trainer import Fitted, Trainer
 from sgicodec.model.layout import SeedLayout, adaptive_layout, uniform_layout
+from sgicodec.model.network import IntNetwork
 from sgicodec.rdoq import Objective, searched
 
 __all__ = [
@@ -83,7 +84,7 @@ def fit(prepared: Prepared) -> TileState:
         prepared.target,
         layout,
         tile.header.family,
-        load_prior(tile.spec) if tile.spec.context.prior else None,
+        _networks(tile),
         device=tile.device,
         weights=prepared.weights,
     )
@@ -93,6 +94,13 @@ def fit(prepared: Prepared) -> TileState:
         if not tile.watch.step(progress):
             break
     return in_integers(prepared, trainer.result())
+
+
+def _networks(tile: Tile) -> tuple[IntNetwork, ...] | None:
+    """The context model of the tile, None where the fit trains one."""
+    if tile.settings.prior is not None:
+        return parse_prior(tile.settings.prior, tile.spec)
+    return load_prior(tile.spec) if tile.spec.context.prior else None
 
 
 def _first_layout(prepared: Prepared) -> SeedLayout:
