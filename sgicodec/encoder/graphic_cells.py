@@ -45,10 +45,10 @@ _MAX_WEAK, _LEAST_EDGES, _SHARP = 0.1, 0.5, 8
 """Of pixels of a cell that are weak; of novel pixels of an area, of pixels of a cell, that are edges: of text."""
 _LEAST_CELLS, _LEAST_SHARP = 16, 4
 """Of an area: cells, and those that are sharp."""
-_FEW_COLOURS, _LEAST_CONTRAST, _INK, _LEAST_INK, _LEAST_FAINT = 32, 8, 0.75, 0.1, 0.5
-"""Of an area of a block whose faint edges are drawn on purpose: its colours; the farthest one from its usual one, in
-levels; of that distance, where ink begins; of pixels that are not of the usual colour, those that are ink. Then of an
-area of the picture, the cells that are of such ones."""
+_FEW_COLOURS, _LEAST_GROUND, _LEAST_CONTRAST, _INK, _LEAST_INK, _LEAST_FAINT = 32, 0.4, 8, 0.75, 0.1, 0.5
+"""Of an area of a block whose faint edges are drawn on purpose: its colours; pixels of the usual one; the farthest one
+from that, in levels; of that distance, where ink begins; of pixels that are not of the usual colour, those that are
+ink. Then of an area of the picture, the cells that are of such ones."""
 
 
 class CellCounts(NamedTuple):
@@ -192,19 +192,39 @@ def _repeat(novel: NDArray[np.int_]) -> Cells:
 
 def _drawn_in_few_colours(pixels: NDArray[Any], cells: Cells, level: float) -> Cells:
     """Which of these cells of a block lie in areas of few colours: a ground, an ink, and what lies between them."""
-    areas = _areas(cells)
     found: Cells = np.zeros_like(cells)
-    for number in np.flatnonzero(np.bincount(areas.ravel())[1:] >= _LEAST_CELLS) + 1:
-        area = areas == number
-        inside = pixels[pixels_in_cells(area, pixels.shape)]
-        _, first, times = np.unique(colour_keys(inside), return_index=True, return_counts=True)
-        if len(times) > _FEW_COLOURS:
-            continue
-        colours = inside[first].astype(np.float64)
-        far = np.abs(colours - colours[times.argmax()]).max(axis=1) / level
-        ink = times[far >= _INK * far.max()].sum()
-        found |= area & (far.max() >= _LEAST_CONTRAST and ink >= _LEAST_INK * times[far > 0].sum())
+    for area in _large_areas(cells):
+        for part in _large_areas(_of_few_colours(pixels, area)):
+            inside = pixels[pixels_in_cells(part, pixels.shape)]
+            _, first, times = np.unique(colour_keys(inside), return_index=True, return_counts=True)
+            colours = inside[first].astype(np.float64)
+            far = np.abs(colours - colours[times.argmax()]).max(axis=1) / level
+            ink = times[far >= _INK * far.max()].sum()
+            has_ground = times.max() >= _LEAST_GROUND * times.sum()
+            has_ink = far.max() >= _LEAST_CONTRAST and ink >= _LEAST_INK * times[far > 0].sum()
+            found |= part & (has_ground and has_ink)
     return found
+
+
+def _of_few_colours(pixels: NDArray[Any], area: Cells) -> Cells:
+    """The cells of an area that have its most frequent colours alone: calm places of a photograph may touch text."""
+    inside = pixels_in_cells(area, pixels.shape)
+    _, number, times = np.unique(colour_keys(pixels[inside]), return_inverse=True, return_counts=True)
+    if len(times) <= _FEW_COLOURS:
+        return area
+    is_rare = np.ones(len(times), np.bool_)
+    is_rare[np.argsort(times)[-_FEW_COLOURS:]] = False
+    rare = np.zeros(pixels.shape[:2], np.bool_)
+    rare[inside] = is_rare[number]
+    frequent: Cells = area & (_in_cells(rare) == 0)
+    return frequent
+
+
+def _large_areas(cells: Cells) -> list[Cells]:
+    """Areas of these cells, each as cells, that are no specks."""
+    areas = _areas(cells)
+    large = np.flatnonzero(np.bincount(areas.ravel())[1:] >= _LEAST_CELLS) + 1
+    return [areas == number for number in large]
 
 
 def _steps(pixels: NDArray[Any]) -> tuple[NDArray[np.int_], NDArray[np.int_]]:

@@ -66,6 +66,26 @@ def test_faint_text_beside_noise_is_found() -> None:
     np.testing.assert_array_equal(found_in(mixed), np.repeat([[True] * 6 + [False] * 6], 12, axis=0))
 
 
+def calm() -> NDArray[np.uint8]:
+    """Many colours that change slowly, each of two by two pixels: as few novel pixels as text."""
+    levels = np.random.default_rng(7).integers(60, 65, (SIDE // 2, SIDE // 2, 3)) + np.arange(SIDE // 2)[:, None] // 3
+    return levels.repeat(2, axis=0).repeat(2, axis=1).astype(np.uint8)
+
+
+def test_faint_text_that_touches_calm_places_is_found() -> None:
+    mixed = calm()
+    assert not found_in(mixed).any()
+    mixed[HALF] = bars(188, 200)[HALF]
+    np.testing.assert_array_equal(found_in(mixed), np.repeat([[True] * 6 + [False] * 6], 12, axis=0))
+
+
+def test_few_colours_without_a_ground_are_none() -> None:
+    """Dark places of a photograph in gray, next to some with more colours."""
+    mixed, levels = calm(), np.random.default_rng(8).integers(8, 23, (SIDE // 2, SIDE // 2, 1))
+    mixed[HALF] = levels.repeat(2, axis=0).repeat(2, axis=1)[HALF]
+    assert not found_in(mixed).any()
+
+
 def test_a_clipped_sky_is_none() -> None:
     """White, and the rarer the darker: as few colours as faint text, but no ink."""
     dark = np.minimum(np.random.default_rng(5).geometric(0.6, (SIDE, SIDE, 1)) - 1, 12)
