@@ -45,10 +45,10 @@ _MAX_WEAK, _LEAST_EDGES, _SHARP = 0.1, 0.5, 8
 """Of pixels of a cell that are weak; of novel pixels of an area, of pixels of a cell, that are edges: of text."""
 _LEAST_CELLS, _LEAST_SHARP = 16, 4
 """Of an area: cells, and those that are sharp."""
-_FEW_COLOURS, _LEAST_GROUND, _LEAST_CONTRAST, _INK, _LEAST_INK, _LEAST_FAINT = 32, 0.4, 8, 0.75, 0.1, 0.5
-"""Of an area of a block whose faint edges are drawn on purpose: its colours; pixels of the usual one; the farthest one
-from that, in levels; of that distance, where ink begins; of pixels that are not of the usual colour, those that are
-ink. Then of an area of the picture, the cells that are of such ones."""
+_FEW_COLOURS, _LEAST_GROUND, _LEAST_CONTRAST, _LEAST_INK, _LEAST_FAINT = 32, 0.4, 8, 0.1, 0.5
+"""Of an area of a block whose faint edges are drawn on purpose: its colours; pixels of the usual one; levels from that
+at which ink begins; of pixels that are not of the usual colour, those that are ink. Then of an area of the picture, the
+cells that are of such ones."""
 
 
 class CellCounts(NamedTuple):
@@ -199,10 +199,8 @@ def _drawn_in_few_colours(pixels: NDArray[Any], cells: Cells, level: float) -> C
             _, first, times = np.unique(colour_keys(inside), return_index=True, return_counts=True)
             colours = inside[first].astype(np.float64)
             far = np.abs(colours - colours[times.argmax()]).max(axis=1) / level
-            ink = times[far >= _INK * far.max()].sum()
-            has_ground = times.max() >= _LEAST_GROUND * times.sum()
-            has_ink = far.max() >= _LEAST_CONTRAST and ink >= _LEAST_INK * times[far > 0].sum()
-            found |= part & (has_ground and has_ink)
+            ground, ink = times.max(), times[far >= _LEAST_CONTRAST].sum()
+            found |= part & (ground >= _LEAST_GROUND * times.sum() and ink > _LEAST_INK * times[far > 0].sum())
     return found
 
 
