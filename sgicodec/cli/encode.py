@@ -102,7 +102,7 @@ _MAX_FILE = 1 << 20
 @click.option(
     "--restoration/--no-restoration",
     default=None,
-    help="Let decoders restore what texture shows by a shipped network.  [default: but for --lossless]",
+    help="Let decoders restore what texture shows by a shipped network.  [default: unless --lossless]",
 )
 @click.option(
     "--network",
