@@ -11,7 +11,7 @@ the pictures.
 from __future__ import annotations
 
 import argparse
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -32,7 +32,7 @@ from sgicodec.model.spec import ModelSpec
 from tests.support.torch_step.context_net import ContextNet
 from tests.support.torch_step.quantization_proxy import QuantizationProxy
 
-__all__ = ["Example", "Seeds", "TrainingNet", "examples_in", "main", "train"]
+__all__ = ["Seeds", "TrainingNet", "main", "seeds_in", "train"]
 
 QUALITIES = (22.0, 78.0)
 FEWEST_SEEDS = 32
@@ -40,14 +40,6 @@ HOLD = 20.0
 """Bits that a step costs for moving by an octave, squared."""
 NOTHING = NoiseKey(0, negative=False)
 """Of noise where values are rounded."""
-
-
-@dataclass(frozen=True)
-class Example:
-    """The seeds of a stream in one tile."""
-
-    header: Header
-    model: TileModel
 
 
 class TrainingNet(ContextNet):
@@ -79,10 +71,10 @@ class TrainingNet(ContextNet):
 
 
 class Seeds:
-    """What a prior predicts in an example."""
+    """The seeds of a stream in one tile."""
 
-    def __init__(self, example: Example) -> None:
-        header, model = example.header, example.model
+    def __init__(self, header: Header, model: TileModel) -> None:
+        self.spec, self.networks, self.count = header.spec, model.networks, len(model.layout)
         self.proxy = QuantizationProxy(header.spec, header.family)
         self.proxy.set_layout(model.layout, header.quality, header.width, header.height)
         self.steps = torch.from_numpy(flat_steps(header.spec, model.plan))
@@ -94,21 +86,20 @@ class Seeds:
         return self.proxy.sample(self.values, net, self.steps, "round", NOTHING).bits
 
 
-def train(examples: list[Example], steps: int, rate: float) -> tuple[IntNetwork, ...]:
-    """Networks that make the seeds of the examples cheaper. A stream weighs as the root of its seeds: neither all alike
-    nor by their numbers.
+def train(streams: list[Seeds], steps: int, rate: float) -> tuple[IntNetwork, ...]:
+    """Networks that make the seeds of streams cheaper. A stream weighs as the root of its seeds: neither all alike nor
+    by their numbers.
     """
-    networks = examples[0].model.networks
-    net = TrainingNet(examples[0].header.spec, networks)
-    seeds = [Seeds(example) for example in examples]
-    weights = np.array([len(example.model.layout) ** 0.5 for example in examples])
+    networks = streams[0].networks
+    net = TrainingNet(streams[0].spec, networks)
+    weights = np.array([seeds.count**0.5 for seeds in streams])
     rng = np.random.default_rng(1)
     optimizer = torch.optim.Adam(net.trained, rate)
     for step in range(steps):
         optimizer.param_groups[0]["lr"] = rate * min(1.0, 1.5 * (1 - step / steps)) + 1e-5
-        chosen = rng.choice(len(seeds), 8, p=weights / weights.sum())
+        chosen = rng.choice(len(streams), 8, p=weights / weights.sum())
         net.drift = torch.zeros(())
-        bits = torch.stack([seeds[number].bits(net).mean() for number in chosen]).mean()
+        bits = torch.stack([streams[number].bits(net).mean() for number in chosen]).mean()
         optimizer.zero_grad()
         (bits + HOLD * net.drift / len(chosen)).backward()  # type: ignore[no-untyped-call]
         optimizer.step()
@@ -130,13 +121,13 @@ def _make_streams(pictures: Path, streams: Path, rounds: int) -> None:
             out.write_bytes(encode_picture(replace(picture, pixels=pixels), settings, device=ONE_THREAD).data)
 
 
-def examples_in(streams: Path) -> list[Example]:
+def seeds_in(streams: Path) -> list[Seeds]:
     """The streams of a folder that have some seeds."""
     found = []
     for path in sorted(streams.glob("*.sgi")):
         with open_stream(path) as stream:
             if len(stream.model.layout) >= FEWEST_SEEDS:
-                found.append(Example(stream.header, stream.model))
+                found.append(Seeds(stream.header, stream.model))
     return found
 
 
@@ -152,7 +143,7 @@ def main() -> None:
     arguments = parser.parse_args()
     arguments.streams.mkdir(parents=True, exist_ok=True)
     _make_streams(arguments.pictures, arguments.streams, arguments.rounds)
-    arguments.out.write_bytes(prior_file(train(examples_in(arguments.streams), arguments.steps, arguments.rate)))
+    arguments.out.write_bytes(prior_file(train(seeds_in(arguments.streams), arguments.steps, arguments.rate)))
 
 
 if __name__ == "__main__":

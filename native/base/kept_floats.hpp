@@ -13,10 +13,6 @@ class KeptFloats {
  public:
   KeptFloats() = default;
   KeptFloats(KeptFloats &&other) noexcept : held_(std::move(other.held_)), size_(std::exchange(other.size_, 0)) {}
-  KeptFloats &operator=(KeptFloats &&other) noexcept {
-    std::swap(held_, other.held_), std::swap(size_, other.size_);
-    return *this;
-  }
   ~KeptFloats() { give_back(); }
 
   // Room for so many, whatever they hold. What was handed out before is lost.

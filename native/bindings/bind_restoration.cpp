@@ -5,7 +5,6 @@
 
 #include "bindings/arrays.hpp"
 #include "bindings/bindings.hpp"
-#include "bitstream/header_fields.hpp"
 #include "bitstream/restoration_part.hpp"
 
 namespace nb = nanobind;
@@ -54,5 +53,5 @@ void bind_restoration(nb::module_ &m) {
   m.def("restoration_correction", &restoration_correction, "drawn"_a, "network"_a, "step"_a, "threads"_a, "isa"_a,
         "What restoration adds to a tile drawn as [C, H, W], by a shipped network or the file of another. Raises "
         "UnsupportedStreamError for an unknown network.");
-  m.attr("OWN_NETWORK") = sgi::kOwnNetwork, m.attr("MAX_NETWORK") = sgi::kMaxNetwork;
+  m.attr("OWN_NETWORK") = sgi::kOwnNetwork;
 }

@@ -208,8 +208,6 @@ def _of_few_colours(pixels: NDArray[Any], area: Cells) -> Cells:
     """The cells of an area that have its most frequent colours alone: calm places of a photograph may touch text."""
     inside = pixels_in_cells(area, pixels.shape)
     _, number, times = np.unique(colour_keys(pixels[inside]), return_inverse=True, return_counts=True)
-    if len(times) <= _FEW_COLOURS:
-        return area
     is_rare = np.ones(len(times), np.bool_)
     is_rare[np.argsort(times)[-_FEW_COLOURS:]] = False
     rare = np.zeros(pixels.shape[:2], np.bool_)
