@@ -1,7 +1,9 @@
+#include <nanobind/stl/pair.h>
 #include <nanobind/stl/tuple.h>
 
 #include <array>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include "base/crc32.hpp"
@@ -47,14 +49,27 @@ auto code_residual(Samples samples, Samples drawn, nb::bytes header, nb::bytes f
                     crc);
 }
 
+// Bits of the table of a grid, and their P(1) in 2^-16.
+auto code_table(bool is_float, double base, double step, int32_t most, Array<const float, 1> table) {
+  sgi::ResidualGrid grid{base, step, most, 0, {table.data(), table.data() + table.size()}};
+  sgi::BitRecorder bits;
+  sgi::code_table(bits, is_float, grid);
+  const std::array count{bits.bits.size()};
+  return std::pair(as_array<int32_t>(std::move(bits.bits), count), as_array<int32_t>(std::move(bits.ones), count));
+}
+
 }  // namespace
 
 void bind_residual(nb::module_ &m) {
   m.attr("RESIDUAL_BLOCK") = sgi::kResidualBlock;
   m.attr("RESIDUAL_CELL") = sgi::kResidualCell;
   m.attr("MAX_GRID_STEPS") = sgi::kMaxGridSteps;
+  m.attr("MAX_TABLE_STEPS") = sgi::kMaxTableSteps;
   m.attr("MAX_PALETTE") = sgi::kMaxColours;
   m.def("code_residual", &code_residual, "samples"_a, "drawn"_a, "header"_a, "form"_a, "cells"_a,
         "Bits of a block [h, w, C] of a residual layer that begins with `form`, their P(1) in 2^-16, the CRC-32 of the "
         "samples that a reader finds. cells: 1 for those that are coded, row by row; all where the form has no cells.");
+  m.def("code_table", &code_table, "is_float"_a, "base"_a, "step"_a, "most"_a, "table"_a,
+        "Bits of a table of rising samples [n], floats or those that occur of base + step * (0 ... most), and their "
+        "P(1) in 2^-16.");
 }

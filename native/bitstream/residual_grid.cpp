@@ -1,6 +1,7 @@
 #include "bitstream/residual_grid.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
@@ -10,8 +11,14 @@ namespace sgi {
 namespace {
 
 int32_t nearest(const ResidualGrid &grid, float sample) {
-  const double value = (double(sample) - grid.base) / grid.step + 0.5;
-  return value > 0 ? value < grid.most ? int32_t(value) : grid.most : 0;
+  const std::vector<float> &table = grid.table;
+  if (table.empty()) {
+    const double value = (double(sample) - grid.base) / grid.step + 0.5;
+    return value > 0 ? value < grid.most ? int32_t(value) : grid.most : 0;
+  }
+  const auto value = int32_t(std::lower_bound(table.begin(), table.end(), sample) - table.begin());
+  if (value == 0 || value > grid.most) return value ? grid.most : 0;
+  return double(sample) - table[size_t(value - 1)] <= table[size_t(value)] - double(sample) ? value - 1 : value;
 }
 
 // Numbers floats in the order of their size, one by one.
@@ -32,9 +39,49 @@ bool is_nodata(const Header &header, size_t channel, float sample) {
   return header.masked == Masked::nodata && int(channel) != header.alpha() && double(sample) == header.nodata;
 }
 
+// Codes which samples of a grid occur.
+template <class Bits>
+bool code_whole_numbers(Bits &bits, ResidualGrid &grid) {
+  const std::vector<float> given = std::move(grid.table);
+  std::array<BitModel, 64> models;  // by the places since the last that occurs
+  size_t since = 0, next = 0;
+  grid.table.clear();
+  for (int32_t place = 0; place <= grid.most; ++place) {
+    const auto sample = float(grid.base + grid.step * place);
+    int occurs = next < given.size() && given[next] == sample;
+    if (!code_bit(bits, models[since], kSteady, occurs)) return false;
+    if (occurs) grid.table.push_back(sample), ++next;
+    since = occurs ? 0 : std::min(since + 1, models.size() - 1);
+  }
+  grid.most = int32_t(grid.table.size()) - 1;
+  return grid.most >= 0;
+}
+
+// Codes each float by those before, as if all were as far apart.
+template <class Bits>
+bool code_floats(Bits &bits, ResidualGrid &grid) {
+  FloatDistances distances;
+  grid.table.resize(size_t(grid.most) + 1);
+  double last = grid.base, step = 0;
+  for (float &sample : grid.table) {
+    if (!distances.code(bits, float(last + step), sample) || !std::isfinite(sample)) return false;
+    const bool is_first = &sample == grid.table.data();
+    step = is_first ? grid.step : sample - last, last = sample;
+    if (!(step > 0)) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
-float sample_of(const ResidualGrid &grid, int32_t value) { return float(grid.base + grid.step * value); }
+float sample_of(const ResidualGrid &grid, int32_t value) {
+  return grid.table.empty() ? float(grid.base + grid.step * value) : grid.table[size_t(value)];
+}
+
+template <class Bits>
+bool code_table(Bits &bits, bool is_float, ResidualGrid &grid) {
+  return is_float ? code_floats(bits, grid) : code_whole_numbers(bits, grid);
+}
 
 GridBlock on_grids(const Header &header, const ResidualForm &form, const float *drawn, int64_t width, size_t count) {
   const size_t channels = form.grids.size(), row = size_t(width) * channels;
@@ -83,7 +130,7 @@ bool GridRest<Bits>::code(const GridBlock &drawn, const std::vector<int32_t> &va
     const float found = sample_of(grid, value);
     if (!form_.has_bits)
       samples[i] = found;
-    else if (!code_bits(channel, found, samples[i]))
+    else if (!channel.distances.code(bits_, found, samples[i]))
       return false;
   }
   return true;
@@ -103,23 +150,22 @@ bool GridRest<Bits>::code_side(const Channel &channel, const ResidualGrid &grid,
 }
 
 template <class Bits>
-bool GridRest<Bits>::code_bits(Channel &channel, float found, float &sample) {
+bool FloatDistances::code(Bits &bits, float found, float &sample) {
   const int64_t far = rank_of(sample) - rank_of(found);
   int length = 0, negative = far < 0;
   while (std::llabs(far) >> length) ++length;
   int known = 0;
   for (; known < kLengths - 1; ++known) {
-    BitModel &model = channel.lengths[size_t(channel.length * kLengths + known)];
     int more = known < length;
-    if (!code_bit(bits_, model, kSteady, more)) return false;
+    if (!code_bit(bits, lengths_[size_t(length_ * kLengths + known)], kSteady, more)) return false;
     if (!more) break;
   }
-  channel.length = known;
-  if (known && !bits_.code(kEvenOdds, negative)) return false;
+  length_ = known;
+  if (known && !bits.code(kEvenOdds, negative)) return false;
   int64_t distance = known > 0;
   for (int place = known - 2; place >= 0; --place) {
     int next = int(std::llabs(far) >> place & 1);
-    if (!bits_.code(kEvenOdds, next)) return false;
+    if (!bits.code(kEvenOdds, next)) return false;
     distance = distance * 2 + next;
   }
   const int64_t rank = rank_of(found) + (negative ? -distance : distance);
@@ -128,6 +174,8 @@ bool GridRest<Bits>::code_bits(Channel &channel, float found, float &sample) {
   return true;
 }
 
+template bool code_table(BitRecorder &bits, bool is_float, ResidualGrid &grid);
+template bool code_table(BitReader &bits, bool is_float, ResidualGrid &grid);
 template class GridRest<BitRecorder>;
 template class GridRest<BitReader>;
 

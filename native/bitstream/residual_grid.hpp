@@ -9,15 +9,21 @@
 
 namespace sgi {
 
-constexpr int32_t kMaxColours = 1024;             // of a palette
-constexpr int32_t kMaxGridSteps = (1 << 22) - 1;  // so that sums of errors in sixteenths fit in 32 bits
+constexpr int32_t kMaxColours = 1024;              // of a palette
+constexpr int32_t kMaxGridSteps = (1 << 22) - 1;   // so that sums of errors in sixteenths fit in 32 bits
+constexpr int32_t kMaxTableSteps = (1 << 16) - 1;  // of a grid with a table
 
-// Values 0 ... `most` of a channel stand for samples base + step * value.
+// Values 0 ... `most` of a channel stand for samples base + step * value, or for those of a table.
 struct ResidualGrid {
   double base, step;
   int32_t most;
-  int32_t max_error;  // of values
+  int32_t max_error;         // of values
+  std::vector<float> table;  // samples that occur, rising; empty where there is no table
 };
+
+// Codes the table of a grid. False where bits end or tell of none.
+template <class Bits>
+bool code_table(Bits &bits, bool is_float, ResidualGrid &grid);
 
 // What a residual layer states of all its blocks.
 struct ResidualForm {
@@ -47,6 +53,20 @@ float sample_of(const ResidualGrid &grid, int32_t value);
 // The values nearest to samples [count].
 std::vector<int32_t> nearest_values(const ResidualForm &form, const float *samples, size_t count);
 
+// Codes how many floats lie between some and what they were taken for.
+class FloatDistances {
+ public:
+  // False where bits end or tell of no float.
+  template <class Bits>
+  bool code(Bits &bits, float found, float &sample);
+
+ private:
+  static constexpr int kLengths = 34;  // of a distance, in bits
+
+  int length_ = 0;  // of the last distance
+  std::vector<BitModel> lengths_ = std::vector<BitModel>(size_t(kLengths) * kLengths);
+};
+
 // Turns values into samples, and codes what they do not say: where a value would be nodata, on which side of it the
 // sample is; the bits of floats.
 template <class Bits>
@@ -58,17 +78,13 @@ class GridRest {
   bool code(const GridBlock &drawn, const std::vector<int32_t> &values, const float *shown, float *samples);
 
  private:
-  static constexpr int kLengths = 34;  // of a distance between floats, in bits
-
   // What is known of a channel.
   struct Channel {
     int32_t nodata = -1;  // the value that would stand for it, if any may be off
-    int length = 0;       // of the last distance
-    std::vector<BitModel> lengths = std::vector<BitModel>(size_t(kLengths) * kLengths);
+    FloatDistances distances;
   };
 
   bool code_side(const Channel &channel, const ResidualGrid &grid, float sample, int32_t &value);
-  bool code_bits(Channel &channel, float found, float &sample);
 
   const Header &header_;
   const ResidualForm &form_;
@@ -76,6 +92,8 @@ class GridRest {
   std::vector<Channel> channels_;
 };
 
+extern template bool code_table(BitRecorder &bits, bool is_float, ResidualGrid &grid);
+extern template bool code_table(BitReader &bits, bool is_float, ResidualGrid &grid);
 extern template class GridRest<BitRecorder>;
 extern template class GridRest<BitReader>;
 

@@ -16,6 +16,7 @@ namespace sgi {
 namespace {
 
 constexpr size_t kCrcBytes = 4;
+constexpr int64_t kMaxTableBytes = 1 << 19;  // of a channel
 constexpr int64_t kHasBits = 1, kHasViews = 2, kHasPalette = 4, kHasCells = 8, kIsAlpha = 16;
 
 [[noreturn]] void corrupt(const char *text) { throw Error(Fault::corrupt, std::string("residual layer: ") + text); }
@@ -35,8 +36,26 @@ bool is_sound(const ResidualGrid &grid, SampleType type) {
   const double last = grid.base + grid.step * grid.most;
   if (!(grid.step > 0) || grid.max_error > grid.most) return false;
   if (type == SampleType::f32) return std::isfinite(float(grid.base)) && std::isfinite(float(last));
-  const auto is_whole = [](double value) { return value == std::floor(value); };
-  return is_whole(grid.base) && is_whole(grid.step) && grid.base >= 0 && last <= largest_of(type);
+  return last <= largest_of(type);
+}
+
+ResidualGrid read_grid(Bytes start, size_t &at, SampleType type) {
+  const auto number = [&] { return type == SampleType::f32 ? read_real(start, at) : double(decode_varint(start, at)); };
+  ResidualGrid grid{};
+  grid.base = number(), grid.step = number();
+  const int64_t most = decode_varint(start, at), max_error = decode_varint(start, at);
+  grid.most = int32_t(std::min<int64_t>(most, kMaxGridSteps)), grid.max_error = int32_t(std::min(max_error, most));
+  if (most > kMaxGridSteps || max_error > most || !is_sound(grid, type)) corrupt("a channel has no sound grid");
+  const int64_t bytes = decode_varint(start, at);
+  if (!bytes) return grid;
+  if (bytes > kMaxTableBytes || grid.max_error || grid.most > kMaxTableSteps) corrupt("a grid may not have this table");
+  if (int64_t(start.size - at) < bytes) corrupt("it ends too early");
+  RangeDecoder decoder(start.data + at, bytes);
+  BitReader bits(decoder);
+  if (!code_table(bits, type == SampleType::f32, grid) || !decoder.maybe_exhausted())
+    corrupt("the table of a grid does not decode");
+  at += size_t(bytes);
+  return grid;
 }
 
 void read_palette(Bytes start, size_t &at, ResidualForm &form) {
@@ -96,7 +115,7 @@ bool code_colours(const ResidualBlock &block, Isa isa, Bits &bits, ResidualSampl
     const auto found = numbers.find(pixel);
     colours[i] = found == numbers.end() ? 0 : found->second;
   }
-  const std::vector<ResidualGrid> grids{{0, 1, form.colours() - 1, 0}};
+  const std::vector<ResidualGrid> grids{{0, 1, form.colours() - 1, 0, {}}};
   const ResidualShape shape{block.width, block.height, false, grids};
   GridBlock drawn{std::vector<int32_t>(pixels), std::vector<uint8_t>(pixels)};
   hold_others(block, known.cells, 1, drawn);
@@ -128,9 +147,10 @@ bool code_block(const ResidualBlock &block, Isa isa, Bits &bits, ResidualSamples
 
 }  // namespace
 
-int64_t longest_residual_table(const Header &header) {
+int64_t longest_residual_table(const Header &header, bool has_tables) {
   const int64_t palette = kMaxVarintBytes + int64_t(kMaxColours) * header.spec.channels * kMaxVarintBytes;
-  const int64_t grids = header.spec.channels * int64_t(2 * (sizeof(double) + kMaxVarintBytes));
+  const int64_t grids =
+      header.spec.channels * int64_t(2 * sizeof(double) + 3 * kMaxVarintBytes + (has_tables ? kMaxTableBytes : 0));
   return sizeof(double) + 1 + grids + palette + count_of(header) * int64_t(kMaxVarintBytes + kCrcBytes);
 }
 
@@ -147,13 +167,7 @@ ResidualForm read_residual_form(const Header &header, Bytes start, size_t &at) {
       ((flags & (kHasPalette | kHasCells)) && !form.has_views) || (form.has_views && !has_all))
     corrupt("it has flags that do not go with the picture");
   form.grids.resize(form.is_alpha ? 1 : size_t(header.spec.channels));
-  for (ResidualGrid &grid : form.grids) {
-    grid.base = read_real(start, at), grid.step = read_real(start, at);
-    const int64_t most = decode_varint(start, at), max_error = decode_varint(start, at);
-    grid.most = int32_t(std::min<int64_t>(most, kMaxGridSteps)), grid.max_error = int32_t(std::min(max_error, most));
-    if (most > kMaxGridSteps || max_error > most || !is_sound(grid, header.sample_type))
-      corrupt("a channel has no sound grid");
-  }
+  for (ResidualGrid &grid : form.grids) grid = read_grid(start, at, header.sample_type);
   if (flags & kHasPalette) read_palette(start, at, form);
   return form;
 }

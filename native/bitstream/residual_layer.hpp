@@ -27,8 +27,8 @@ struct ResidualTable {
 
 // Blocks that a row of them has, for a picture of this width; the same down.
 inline int64_t residual_blocks(int64_t side) { return (side + kResidualBlock - 1) / kResidualBlock; }
-// The most bytes that the form and the table of a picture take.
-int64_t longest_residual_table(const Header &header);
+// The most bytes that the form and the table of a picture take, with tables of samples or without.
+int64_t longest_residual_table(const Header &header, bool has_tables);
 // Reads the table from the first bytes of a payload of `length` bytes. Throws Error (corrupt).
 ResidualTable read_residual_table(const Header &header, Bytes start, int64_t length);
 

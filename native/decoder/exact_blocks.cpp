@@ -11,8 +11,17 @@ namespace sgi {
 namespace {
 
 ResidualTable table_of(StreamReader &chunks) {
-  const auto start = chunks.residual(0, longest_residual_table(chunks.header()));
-  return read_residual_table(chunks.header(), {start.data(), start.size()}, chunks.residual_bytes());
+  const Header &header = chunks.header();
+  const auto read = [&](bool has_tables) {
+    const auto start = chunks.residual(0, longest_residual_table(header, has_tables));
+    return read_residual_table(header, {start.data(), start.size()}, chunks.residual_bytes());
+  };
+  try {
+    return read(false);
+  } catch (const Error &error) {
+    if (longest_residual_table(header, false) >= chunks.residual_bytes()) throw;
+  }
+  return read(true);
 }
 
 // Calls with a sample of the type.

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec import _native
+from sgicodec.bitstream.entropy.symbol_writer import range_coded
 from sgicodec.bitstream.header import Header
 from sgicodec.bitstream.varint import encode_varint
 from sgicodec.metadata.layouts import alpha_index
@@ -26,22 +27,35 @@ _BITS, _VIEWS, _PALETTE, _CELLS, _ALPHA_ALONE = 1, 2, 4, 8, 16
 
 @dataclass(frozen=True)
 class _Grid:
-    """base, step: value j stands for base + j · step; most: the largest value; max_error: by how much one is off."""
+    """base, step: value j stands for base + j · step; most: the largest value; max_error: by how much one is off.
+
+    table: the samples that occur, rising, if values stand for these; is_whole: whether samples are whole numbers.
+    """
 
     base: float
     step: float
     most: int
     max_error: int = 0
+    table: NDArray[np.float32] | None = None
+    is_whole: bool = False
 
     def coarser(self) -> _Grid:
         """One on which no sample is off by more, and samples that are equal stay equal."""
         factor = 2 * self.max_error + 1
         most, rest = divmod(self.most, factor)
-        return _Grid(self.base + min(rest, self.max_error) * self.step, factor * self.step, most)
+        base, step = self.base + min(rest, self.max_error) * self.step, factor * self.step
+        return self if factor == 1 else replace(self, base=base, step=step, most=most, max_error=0)
 
     def encode(self) -> bytes:
         reals = struct.pack("<2d", self.base, self.step)
-        return reals + encode_varint(self.most) + encode_varint(self.max_error)
+        numbers = encode_varint(int(self.base)) + encode_varint(int(self.step)) if self.is_whole else reals
+        return numbers + encode_varint(self.most) + encode_varint(self.max_error) + self._encode_table()
+
+    def _encode_table(self) -> bytes:
+        if self.table is None:
+            return encode_varint(0)
+        stated = _native.code_table(not self.is_whole, self.base, self.step, self.most, self.table)
+        return encode_varint(len(coded := range_coded(*stated))) + coded
 
 
 def residual_form(
@@ -58,7 +72,9 @@ def residual_form(
     """
     stated, max_error = max_error, 0 if is_off else max_error
     is_float = header.sample_type == "float32"
-    channels: list[_Floats | _Integers] = [(_Floats if is_float else _Integers)() for _ in range(header.spec.channels)]
+    channels: list[_Floats | _Integers] = [
+        _Floats() if is_float else _Integers(header.sample_type) for _ in range(header.spec.channels)
+    ]
     alpha, repeats, palette = alpha_index(header.channels), Repeats(), _Palette()
     for pixels in windows:
         others = repeats.see(pixels)
@@ -70,17 +86,23 @@ def residual_form(
             if header.blank is not None and number != alpha:
                 is_measured &= samples != header.blank
             channel.see(samples[is_measured])
-    grids: list[_Grid | None] = [
-        channel.grid(max_error if is_float or number != alpha else 0, header.blank)
-        for number, channel in enumerate(channels)
-    ]
+    has_few = palette.is_small(repeats.pixels)
+    grids: list[_Grid | None] = []
+    for number, channel in enumerate(channels):
+        most_off = max_error if is_float or number != alpha else 0
+        grid = channel.grid(most_off, header.blank)
+        grids.append(None if has_few else _with_table(channel, grid, most_off, repeats.pixels))
+        grids[-1] = grids[-1] or grid
     if repeats.are_usual:  # a coarse grid must not hold nodata
         grids = [grid and (grid.coarser() if header.blank is None else replace(grid, max_error=0)) for grid in grids]
-    has_bits = is_float and (max_error == 0 or None in grids)
+    has_bits = None in grids
     if has_bits:
-        grids = [channel.exact_grid() for channel in channels]
+        grids = [
+            grid if grid and grid.table is not None else channel.exact_grid()
+            for grid, channel in zip(grids, channels, strict=True)
+        ]
     found = [grid for grid in grids if grid is not None]
-    has_palette = palette.is_small(repeats.pixels) and not any(grid.max_error for grid in found)
+    has_palette = has_few and not any(grid.max_error for grid in found)
     flags = has_bits * _BITS + exact_views * _VIEWS + has_palette * _PALETTE + has_cells * _CELLS
     head = struct.pack("<d", stated) + encode_varint(flags)
     return head + b"".join(grid.encode() for grid in found) + (palette.encode(found) if has_palette else b"")
@@ -88,7 +110,7 @@ def residual_form(
 
 def alpha_form(largest: int) -> bytes:
     """The same of a layer of alpha alone, of samples up to this."""
-    return struct.pack("<d", 0.0) + encode_varint(_ALPHA_ALONE) + _Grid(0.0, 1.0, largest).encode()
+    return struct.pack("<d", 0.0) + encode_varint(_ALPHA_ALONE) + _Grid(0.0, 1.0, largest, is_whole=True).encode()
 
 
 def block_rects(header: Header) -> Iterator[Rect]:
@@ -155,34 +177,24 @@ class _Palette:
         return encode_varint(len(colours)) + b"".join(map(encode_varint, values))
 
 
-class _Extent:
-    """The least and the greatest sample of a channel."""
+_MAX_TABLE = _native.MAX_TABLE_STEPS + 1
+_GAINED = 0.5
+"""Of the bits that a table of samples saves if all that occur are equally likely."""
 
-    def __init__(self) -> None:
-        self.low = self.high = 0.0
-        self.is_empty = True
+
+class _Integers:
+    """The whole numbers that occur in a channel."""
+
+    def __init__(self, sample_type: str) -> None:
+        self._occurs = np.zeros(np.iinfo(sample_type).max + 1, np.bool_)
 
     def see(self, samples: NDArray[Any]) -> None:
         """More samples of the channel."""
-        if samples.size:
-            low, high = float(samples.min()), float(samples.max())
-            self.low, self.high = (low, high) if self.is_empty else (min(self.low, low), max(self.high, high))
-            self.is_empty = False
+        self._occurs[samples] = True
 
-
-class _Integers(_Extent):
-    """Whole numbers, with the greatest number that divides what they differ by."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self._divisor = 0
-
-    def see(self, samples: NDArray[Any]) -> None:
-        super().see(samples)
-        for some in (samples[:1000], samples):
-            if self._divisor != 1 and some.size:
-                off = np.abs(np.unique(some).astype(np.int64) - int(self.low))
-                self._divisor = int(np.gcd.reduce([self._divisor, *off]))
+    def distinct(self) -> NDArray[np.float64]:
+        """All of them, rising."""
+        return np.flatnonzero(self._occurs).astype(np.float64)
 
     def exact_grid(self) -> _Grid:
         """One with all samples on it."""
@@ -190,22 +202,38 @@ class _Integers(_Extent):
 
     def grid(self, max_error: float, blank: float | None) -> _Grid:
         """One from which no sample is off by more; what is coded by it tells `blank` from samples."""
-        step = self._divisor or 1
-        most = int(self.high - self.low) // step
-        return _Grid(self.low, step, most, min(most, int(max_error // step)))
+        values = np.flatnonzero(self._occurs)
+        if not values.size:
+            return _Grid(0, 1, 0, is_whole=True)
+        step = int(np.gcd.reduce(values - values[0])) or 1
+        most = int(values[-1] - values[0]) // step
+        return _Grid(int(values[0]), step, most, min(most, int(max_error // step)), is_whole=True)
 
 
-class _Floats(_Extent):
-    """Floats, with the scales that make whole numbers of all of them."""
+class _Floats:
+    """The floats that occur in a channel, while they are few, and the scales that make whole numbers of all of them."""
 
     def __init__(self) -> None:
-        super().__init__()
+        self.low = self.high = 0.0
+        self._bits: NDArray[np.int32] | None = np.zeros(0, np.int32)
         self._scales = list(_SCALES)
 
     def see(self, samples: NDArray[Any]) -> None:
-        super().see(samples)
+        """More samples of the channel."""
+        if samples.size:
+            is_first = self._bits is not None and not self._bits.size
+            low, high = float(samples.min()), float(samples.max())
+            self.low, self.high = (low, high) if is_first else (min(self.low, low), max(self.high, high))
         for some in (samples[:1000], samples):
             self._scales = [scale for scale in self._scales if _are_whole(some, scale)]
+        if self._bits is not None:
+            bits = np.union1d(self._bits, samples.view(np.int32))
+            self._bits = bits if bits.size <= _MAX_TABLE else None
+
+    def distinct(self) -> NDArray[np.float64] | None:
+        """All of them, rising; None where they are many, or 0 has either sign."""
+        found = None if self._bits is None else np.sort(self._bits.view(np.float32).astype(np.float64))
+        return None if found is None or np.count_nonzero(found == 0) > 1 else found
 
     def exact_grid(self) -> _Grid:
         """One with all samples on it, or near them."""
@@ -246,3 +274,32 @@ def _are_whole(samples: NDArray[np.float32], scale: float) -> bool:
 def _is_on(grid: _Grid, sample: float) -> bool:
     value = np.clip(round((sample - grid.base) / grid.step), 0, grid.most) if np.isfinite(sample) else 0
     return bool(np.float32(grid.base + grid.step * value) == np.float32(sample))
+
+
+def _with_table(channel: _Integers | _Floats, grid: _Grid | None, max_error: float, pixels: int) -> _Grid | None:
+    """One on which values stand for samples that occur, none off by more, where that pays for so many pixels."""
+    samples, grid = channel.distinct(), grid or channel.exact_grid()
+    if samples is None or len(samples) < 2:
+        return None
+    table = _thinned(samples, max_error)
+    saved = np.log2((grid.most + 1) / (2 * grid.max_error + 1) / len(table))
+    if saved <= 0:
+        return None
+    found = replace(grid, max_error=0, table=table.astype(np.float32))
+    if not grid.is_whole:
+        most = max(1, len(table) - 1)
+        found = replace(
+            found, base=float(table[0]), step=float(table[-1] - table[0]) / most or 1.0, most=len(table) - 1
+        )
+    return found if 8 * len(found.encode()) < _GAINED * saved * pixels else None
+
+
+def _thinned(samples: NDArray[np.float64], max_error: float) -> NDArray[np.float64]:
+    """As few of these, which rise, as leave none off by more."""
+    if not max_error:
+        return samples
+    kept, at = [], 0
+    while at < len(samples):
+        kept.append(samples[np.searchsorted(samples, samples[at] + max_error, "right") - 1])
+        at = int(np.searchsorted(samples, kept[-1] + max_error, "right"))
+    return np.array(kept)

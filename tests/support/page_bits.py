@@ -5,12 +5,22 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Hashable
 
-__all__ = ["QUICK", "STEADY", "BitModels", "Code"]
+import constriction
+import numpy as np
+
+__all__ = ["QUICK", "STEADY", "BitModels", "Code", "coded_bits"]
 
 STEADY, QUICK = 511, 80
 
 Code = Callable[[int], int]
 """Gives the next bit, of P(1) in 2^-16."""
+
+
+def coded_bits(data: bytes) -> Code:
+    """What reads bits from the bytes of a range coder, whose probabilities have 24 bits."""
+    words = np.frombuffer(data + bytes(-len(data) % 4), ">u4").astype(np.uint32)
+    decoder, model = constriction.stream.queue.RangeDecoder(words), constriction.stream.model.Bernoulli(perfect=False)
+    return lambda one: int(decoder.decode(model, np.array([1 - (0x1000000 - 256 * one - 0.5) / 0xFFFFFE]))[0])
 
 
 class BitModels:

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import math
+import struct
 from collections.abc import Callable
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
-from page_bits import QUICK, STEADY, BitModels, Code
+from page_bits import QUICK, STEADY, BitModels, Code, coded_bits
+from page_varint import decode_varint
 
-__all__ = ["block"]
+__all__ = ["Grid", "block", "grid_of"]
 
 F32 = np.float32
 NEAR = ((0, -2), (0, -1), (-1, -2), (-1, -1), (-1, 0), (-1, 1), (-1, 2), (-2, -1), (-2, 0), (-2, 1))
@@ -17,28 +20,85 @@ OTHER = ((0, -1), (-1, -1), (-1, 0), (-1, 1))
 CROSS = ((0, -1), (-1, 0), (0, 1), (1, 0))
 
 
+@dataclass
+class Grid:
+    """What values of a channel stand for; most: the largest; most_off: the greatest error; table: all samples."""
+
+    base: float
+    step: float
+    most: int
+    most_off: int = 0
+    table: list[float] = field(default_factory=list)
+
+    def sample(self, value: int) -> np.float32:
+        """What a value stands for."""
+        return F32(self.table[value] if self.table else self.base + self.step * value)
+
+    def value(self, sample: float) -> int:
+        """The value of a sample."""
+        if self.table:
+            return min(range(self.most + 1), key=lambda value: (abs(self.table[value] - sample), value))
+        return min(self.most, max(0, math.floor((sample - self.base) / self.step + 0.5)))
+
+
 def block(
     drawn: NDArray[np.float32],
     order: list[int],
-    grids: list[tuple[float, float, int, int]],
+    grids: list[Grid],
     has_bits: bool,
     nodata: list[float | None],
     code: Code,
     palette: list[list[int]] | None = None,
     has_cells: bool = False,
 ) -> NDArray[np.float32]:
-    """Samples [h, w, C] of a block. order: channels as they are coded; grids: base, step, largest value and greatest
-    error of each channel; nodata: that of each channel; palette: values of each colour; has_cells: whether not all
-    cells are coded.
+    """Samples [h, w, C] of a block. order: channels as they are coded; nodata: that of each channel; palette: values of
+    each colour; has_cells: whether not all cells are coded.
     """
     height, width, _ = drawn.shape
     outside = _outside(height, width, code) if has_cells else np.zeros((height, width, 1), bool)
     if palette:
-        nothing, numbers = np.zeros((height, width, 1), F32), [(0.0, 1.0, len(palette) - 1, 0)]
+        nothing, numbers = np.zeros((height, width, 1), F32), [Grid(0, 1, len(palette) - 1)]
         number = _coded(nothing, outside, [0], numbers, False, [None], code)[..., 0].astype(int)
-        bases, steps = np.array([grid[:2] for grid in grids]).T
-        return np.where(outside, drawn, (bases + steps * np.array(palette)[number]).astype(F32))
+        colours = [[grid.sample(value) for grid, value in zip(grids, colour, strict=True)] for colour in palette]
+        return np.where(outside, drawn, np.array(colours)[number].astype(F32))
     return _coded(drawn, outside, order, grids, has_bits, nodata, code)
+
+
+def grid_of(form: bytes, at: int, is_whole: bool) -> tuple[Grid, int]:
+    """A grid that is stated at a place, and where it ends. is_whole: whether samples are whole numbers."""
+    base: float
+    step: float
+    if is_whole:
+        base, at = decode_varint(form, at)
+        step, at = decode_varint(form, at)
+    else:
+        (base, step), at = struct.unpack_from("<2d", form, at), at + 16
+    most, at = decode_varint(form, at)
+    max_error, at = decode_varint(form, at)
+    count, at = decode_varint(form, at)
+    grid, code = Grid(base, step, most, max_error), coded_bits(form[at : at + count])
+    if count:
+        grid.table = _whole_numbers(grid, code) if is_whole else _floats(grid, code)
+        grid.most = len(grid.table) - 1
+    return grid, at + count
+
+
+def _whole_numbers(grid: Grid, code: Code) -> list[float]:
+    models, found, since = BitModels(), [], 0
+    for value in range(grid.most + 1):
+        if models.bit(code, STEADY, min(63, since)):
+            found.append(float(grid.sample(value)))
+            since = -1
+        since += 1
+    return found
+
+
+def _floats(grid: Grid, code: Code) -> list[float]:
+    distances, found = _Distances(), [grid.base]
+    for j in range(grid.most + 1):
+        far = 0 if j == 0 else grid.step if j == 1 else found[-1] - found[-2]
+        found.append(float(_of_rank(_rank(F32(found[-1] + far)) + distances.next(code))))
+    return found[1:]
 
 
 def _outside(height: int, width: int, code: Code) -> NDArray[np.bool_]:
@@ -55,7 +115,7 @@ def _coded(
     drawn: NDArray[np.float32],
     outside: NDArray[np.bool_],
     order: list[int],
-    grids: list[tuple[float, float, int, int]],
+    grids: list[Grid],
     has_bits: bool,
     nodata: list[float | None],
     code: Code,
@@ -64,13 +124,13 @@ def _coded(
     held = ~np.isfinite(drawn)
     for c in range(count):
         held[..., c] |= drawn[..., c] == nodata[c] if nodata[c] is not None else False
-    shown = np.stack([_on_grid(drawn[..., c], held[..., c], *grids[c][:3]) for c in range(count)], axis=2)
+    shown = np.stack([_on_grid(drawn[..., c], held[..., c], grids[c]) for c in range(count)], axis=2)
     held |= outside
     values = np.zeros((height, width, count), int)
-    channels = [_Channel(k, shown[..., c], 2 * grids[c][3] + 1, grids[c][2]) for k, c in enumerate(order)]
+    channels = [_Channel(k, shown[..., c], 2 * grids[c].most_off + 1, grids[c].most) for k, c in enumerate(order)]
     models = [BitModels() for _ in range(min(3, len(order)))]
     repeats, solved = _Repeats(width, height), False
-    is_exact = not any(most_off for *_, most_off in grids)
+    is_exact = not any(grid.most_off for grid in grids)
     for y in range(height):
         for x in range(width):
             solved = x % 32 > 0 and solved
@@ -99,22 +159,19 @@ def _coded(
     out = drawn.copy()
     distances = [_Distances() for _ in range(count)]
     for y, x, c in zip(*np.nonzero(~held), strict=True):
-        base, step, most, most_off = grids[c]
-        value = int(values[y, x, c])
-        if most_off and F32(base + step * value) == nodata[c]:
-            value += 1 if value == 0 else -1 if value == most else 2 * code(32768) - 1
-        found = F32(base + step * min(most, value))
+        grid, value = grids[c], int(values[y, x, c])
+        if grid.most_off and grid.sample(value) == nodata[c]:
+            value += 1 if value == 0 else -1 if value == grid.most else 2 * code(32768) - 1
+        found = grid.sample(min(grid.most, value))
         out[y, x, c] = _of_rank(_rank(found) + distances[c].next(code)) if has_bits else found
     return out
 
 
-def _on_grid(
-    drawn: NDArray[np.float32], held: NDArray[np.bool_], base: float, step: float, most: int
-) -> NDArray[np.int_]:
+def _on_grid(drawn: NDArray[np.float32], held: NDArray[np.bool_], grid: Grid) -> NDArray[np.int_]:
     out = np.zeros(drawn.shape, int)
     for y, x in np.ndindex(*drawn.shape):
         if not held[y, x]:
-            out[y, x] = min(most, max(0, math.floor((float(drawn[y, x]) - base) / step + 0.5)))
+            out[y, x] = grid.value(float(drawn[y, x]))
         elif x or y:
             out[y, x] = out[y, x - 1] if x else out[y - 1, 0]
     return out

@@ -22,6 +22,7 @@ from text_pages import photo, text
 from sgicodec import EncodeSettings, Picture, _native, encode_picture
 from sgicodec.bitstream.header import encode_header
 from sgicodec.bitstream.rewriting import rewrite_stream
+from sgicodec.bitstream.varint import encode_varint
 from sgicodec.decoder.stream import open_stream
 from sgicodec.device import Device
 from sgicodec.encoder.input.windows import windows_of
@@ -50,6 +51,7 @@ def kinds() -> dict[str, Picture]:
         np.float32
     )
     wild[3, 4], wild[7, 8], wild[9, 9] = np.nan, np.inf, -0.0
+    spread = np.rint(pixels // 4 * 43.3).astype(np.uint16)
     middle = pixels.copy()
     middle[middle == 100] = 101
     middle[8:20, 9:40] = 100
@@ -64,6 +66,8 @@ def kinds() -> dict[str, Picture]:
         "text": Picture(text(96, 64), "rgb", (0.0, 255.0)),
         "nodata in the middle": Picture(middle, "multi", (0.0, 255.0), blank=100.0),
         "eight bits in sixteen": Picture(pixels.astype(np.uint16) * 257, "rgb", (0.0, 65535.0)),
+        "spread": Picture(spread, "multi", (0.0, 3000.0)),
+        "few floats": Picture(np.sqrt(pixels // 4 * np.float32(1 / 9)) - 2, "multi", (-2.0, 8.0)),
         "heights": Picture(heights, "gray", (1000.0, 1077.0)),
         "heights with holes": Picture(holes, "gray", (1000.0, 1077.0), blank=-9999.0),
         "wild floats": Picture(wild, "multi", (-100.0, 100.0), exact=True),
@@ -117,10 +121,19 @@ def test_floats_within_any_error() -> None:
     assert sizes[0] >= sizes[1] > sizes[2] > sizes[3] > sizes[4]
 
 
-def test_values_that_do_not_occur_take_nothing() -> None:
-    """Eight bits in sixteen take what eight bits take."""
-    sizes = [len(encode_picture(KINDS[name], LOSSLESS).data) for name in ("rgb8", "eight bits in sixteen")]
-    assert sizes[1] < 1.02 * sizes[0]
+@pytest.mark.parametrize("factor", [257.0, 25.7])
+def test_values_that_do_not_occur_take_nothing(factor: float) -> None:
+    """Eight bits take the same however they are spread over sixteen or floats, but for what they are."""
+    pixels = np.tile(photo(300, 270), (2, 1, 1))
+    whole, lossless = np.rint(pixels * factor).astype(np.uint16), replace(LOSSLESS, restoration=False)
+    floats = (pixels * factor * 2.75e-5 - 0.2).astype(np.float32)
+    pictures = (
+        Picture(pixels, "rgb", (0.0, 255.0)),
+        Picture(whole, "rgb", (0.0, 65535.0)),
+        Picture(floats, "rgb", (-0.2, 1.7)),
+    )
+    sizes = [len(encode_picture(picture, lossless).data) for picture in pictures]
+    assert max(sizes[1:]) < 1.02 * sizes[0]
 
 
 @pytest.fixture(scope="module")
@@ -226,13 +239,14 @@ def test_damage_is_found() -> None:
         (8, b"\12", "block"),
         (8, b"\20", "flags"),
         (8, b"\10", "flags"),
-        (9, struct.pack("<d", -1.0), "grid"),
-        (9, struct.pack("<d", 0.5), "grid"),
-        (9, struct.pack("<d", math.nan), "grid"),
-        (17, struct.pack("<d", 0.0), "grid"),
-        (17, struct.pack("<d", math.inf), "grid"),
-        (17, struct.pack("<d", 300.0), "grid"),
-        (25, b"\xff\x7f", "grid"),
+        (9, encode_varint(1 << 50), "grid"),
+        (10, b"\0", "grid"),
+        (10, encode_varint(300), "grid"),
+        (11, encode_varint(1 << 14), "grid"),
+        (13, encode_varint(200), "grid"),
+        (13, b"\1\1", "table"),
+        (14, b"\1", "table"),
+        (14, encode_varint(1 << 20), "table"),
     ],
 )
 def test_lies_of_a_layer_are_refused(at: int, lie: bytes, what: str) -> None:
@@ -264,6 +278,9 @@ def test_two_layers_are_refused() -> None:
         ("text", 20, 1),
         ("heights with holes", 0.05, 1),
         ("wild floats", 0, 1),
+        ("spread", 0, 1),
+        ("spread", 30, 1),
+        ("few floats", 0, 1),
     ],
 )
 def test_it_is_as_the_page_of_the_format_says(name: str, most: float, repeats: int, has_cells: bool) -> None:
@@ -286,10 +303,11 @@ def test_it_is_as_the_page_of_the_format_says(name: str, most: float, repeats: i
     if picture.channels.startswith("rgb"):
         order[:2] = 1, 0
     nodata = [None if c == picture.alpha else header.blank for c in range(samples.shape[2])]
-    grids, at = grids_of(form, len(order))
+    grids, at = grids_of(form, len(order), picture.pixels.dtype != np.float32)
     palette, at = palette_of(form, at, len(order)) if form[8] & 4 else ([], at)
     assert at == len(form)
     assert bool(palette) == (repeats > 1)
+    assert all(grid.table for grid in grids) or most or name not in ("spread", "few floats")
     found = reference_residual.block(drawn, order, grids, form[8] & 1 == 1, nodata, code, palette, has_cells)
     assert next(expected, None) is None
     assert zlib.crc32(found.astype("<f4").tobytes()) == crc
@@ -304,7 +322,7 @@ def test_alpha_alone_is_as_the_page_says() -> None:
     drawn, cells = np.zeros_like(alpha), np.ones(8, np.uint8)
     bits, ones, crc = _native.code_residual(alpha, drawn, encode_header(header), form, cells)
     expected, code = coder_of(bits, ones)
-    grids, at = grids_of(form, 1)
+    grids, at = grids_of(form, 1, is_whole=True)
     assert (at, form[8]) == (len(form), 16)
     found = reference_residual.block(drawn, [0], grids, False, [None], code)
     assert next(expected, None) is None
@@ -333,11 +351,9 @@ def palette_of(form: bytes, at: int, channels: int) -> tuple[list[list[int]], in
     return [values[i : i + channels] for i in range(0, len(values), channels)], at
 
 
-def grids_of(form: bytes, channels: int) -> tuple[list[tuple[float, float, int, int]], int]:
+def grids_of(form: bytes, channels: int, is_whole: bool) -> tuple[list[reference_residual.Grid], int]:
     grids, at = [], 9
     for _ in range(channels):
-        base, step = struct.unpack_from("<2d", form, at)
-        most, at = decode_varint(form, at + 16)
-        max_error, at = decode_varint(form, at)
-        grids.append((base, step, most, max_error))
+        grid, at = reference_residual.grid_of(form, at, is_whole)
+        grids.append(grid)
     return grids, at

@@ -88,7 +88,7 @@ def pictures() -> dict[str, tuple[Picture, EncodeSettings]]:
         "rgba8-near": (Picture(alpha, "rgba", (0.0, 255.0)), replace(quick, max_error=2)),
         "multi16-bands-lossless": (bare_bands(small), replace(textured, max_error=0)),
         "gray16-lossless-blocks": (
-            Picture(np.ascontiguousarray(photo.pixels[100:120, :600, 1:2]) * np.uint16(257), "gray", (0.0, 65535.0)),
+            Picture(np.rint(photo.pixels[100:120, :600, 1:2] * 25.7).astype(np.uint16), "gray", (0.0, 65535.0)),
             replace(quick, max_error=0),
         ),
         "rgb8-drawing-lossless": (drawing(), EncodeSettings(max_error=0)),
@@ -152,10 +152,11 @@ def hole_in_twelve_bits(photo: np.ndarray) -> Picture:
 
 
 def bare_floats(photo: np.ndarray, curved: bool = False) -> Picture:
-    """Floats with blanks, not-a-number and infinity; curved: that are no multiples of a step."""
+    """Floats with blanks, not-a-number and infinity; curved: that are no multiples of a step, of blue many."""
     pixels = photo.astype(np.float32) / 8 - 5
     if curved:
         pixels = pixels * np.abs(pixels) / np.float32(30)
+        pixels[..., 2] += np.sin(np.arange(pixels[..., 2].size)).reshape(pixels.shape[:2]) / np.float32(99)
     pixels[20:40, 30:50], pixels[40, 55], pixels[10, 10, 1] = -9999, np.inf, np.nan
     return Picture(pixels, "rgb", (-5.0, 27.0), blank=-9999.0, exact=True)
 
