@@ -56,6 +56,7 @@ class Picture:
                   are clipped.
     eight_bits:   whether colours are those of a picture of eight bits that was stretched to the range and rounded.
     remark:       what its owner should know of how its samples were understood.
+    rounding:     by how much pixels are off at most from samples of more bits, which they were made from.
 
     Raises UsageError when the parts contradict each other.
     """
@@ -68,6 +69,7 @@ class Picture:
     exact: bool = False
     eight_bits: bool = False
     remark: str | None = None
+    rounding: float = 0.0
 
     def __post_init__(self) -> None:
         if not isinstance(self.pixels, np.ndarray):

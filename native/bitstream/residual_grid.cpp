@@ -10,17 +10,6 @@ namespace sgi {
 
 namespace {
 
-int32_t nearest(const ResidualGrid &grid, float sample) {
-  const std::vector<float> &table = grid.table;
-  if (table.empty()) {
-    const double value = (double(sample) - grid.base) / grid.step + 0.5;
-    return value > 0 ? value < grid.most ? int32_t(value) : grid.most : 0;
-  }
-  const auto value = int32_t(std::lower_bound(table.begin(), table.end(), sample) - table.begin());
-  if (value == 0 || value > grid.most) return value ? grid.most : 0;
-  return double(sample) - table[size_t(value - 1)] <= table[size_t(value)] - double(sample) ? value - 1 : value;
-}
-
 // Numbers floats in the order of their size, one by one.
 int64_t rank_of(float sample) {
   int32_t bits;
@@ -33,6 +22,19 @@ float of_rank(int64_t rank) {
   float sample;
   std::memcpy(&sample, &bits, sizeof sample);
   return sample;
+}
+
+int32_t nearest(const ResidualGrid &grid, float sample) {
+  const std::vector<float> &table = grid.table;
+  if (table.empty()) {
+    const double value = (double(sample) - grid.base) / grid.step + 0.5;
+    return value > 0 ? value < grid.most ? int32_t(value) : grid.most : 0;
+  }
+  const auto is_less = [](float a, float b) { return rank_of(a) < rank_of(b); };
+  const auto value = int32_t(std::lower_bound(table.begin(), table.end(), sample, is_less) - table.begin());
+  if (value == 0 || value > grid.most) return value ? grid.most : 0;
+  if (rank_of(table[size_t(value)]) == rank_of(sample)) return value;
+  return double(sample) - table[size_t(value - 1)] <= table[size_t(value)] - double(sample) ? value - 1 : value;
 }
 
 bool is_nodata(const Header &header, size_t channel, float sample) {
@@ -66,8 +68,8 @@ bool code_floats(Bits &bits, ResidualGrid &grid) {
   for (float &sample : grid.table) {
     if (!distances.code(bits, float(last + step), sample) || !std::isfinite(sample)) return false;
     const bool is_first = &sample == grid.table.data();
+    if (!is_first && rank_of(sample) <= rank_of(float(last))) return false;
     step = is_first ? grid.step : sample - last, last = sample;
-    if (!(step > 0)) return false;
   }
   return true;
 }

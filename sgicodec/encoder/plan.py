@@ -35,9 +35,7 @@ __all__ = ["Plan", "Shape", "stream_plan"]
 
 @dataclass(frozen=True)
 class Shape:
-    """What is known of a picture before its pixels are: as in `Picture`, `bands` their number; remark: as in
-    `SampleUse`.
-    """
+    """What is known of a picture before its pixels are: as in `Picture`, `bands` their number."""
 
     width: int
     height: int
@@ -50,13 +48,14 @@ class Shape:
     exact: bool = False
     eight_bits: bool = False
     remark: str | None = None
+    rounding: float = 0.0
 
     @classmethod
     def of(cls, picture: Picture) -> Shape:
         """That of a picture in memory."""
         bands, dtype = picture.pixels.shape[2], picture.pixels.dtype
         shape = (picture.width, picture.height, picture.channels, bands, dtype)
-        samples = (picture.exact, picture.eight_bits, picture.remark)
+        samples = (picture.exact, picture.eight_bits, picture.remark, picture.rounding)
         return cls(*shape, picture.sample_range, picture.metadata, picture.nodata, *samples)
 
 

@@ -34,7 +34,7 @@ class Layer:
     """What a residual layer brings a stream to: the picture of `windows` but for `max_error` levels; floats by so much.
     Alpha of 8 and 16 bits is exact. exact_views: whether it shows every view. cells [rows, columns]: where it does, if
     not everywhere. is_off: whether samples of `windows` are off by so much already. is_alpha: whether it shows alpha
-    alone, in every view.
+    alone, in every view. Raises PictureError where samples of the source have too many bits for that.
     """
 
     windows: Windows
@@ -44,13 +44,22 @@ class Layer:
     is_off: bool = False
     is_alpha: bool = False
 
+    def __post_init__(self) -> None:
+        off = self.windows.shape.rounding
+        if off >= self.max_error and off > 0 and not self.is_alpha:
+            raise PictureError(
+                f"the samples of the picture have more bits than 32-bit floats, which are off by up to {off:g}; a "
+                f"greatest error (--max-error) above that counts from those samples"
+            )
+
     def form(self, header: Header, rects: Iterable[Rect]) -> bytes:
         """What it states of all blocks, by these."""
         if self.is_alpha:
             return alpha_form(np.iinfo(header.sample_type).max)
         windows = (self._shown(rect) for rect in rects)
-        states = {"exact_views": self.exact_views, "has_cells": self.cells is not None, "is_off": self.is_off}
-        return residual_form(header, windows, self.max_error, **states)
+        states = {"exact_views": self.exact_views, "has_cells": self.cells is not None}
+        off = self.max_error if self.is_off else self.windows.shape.rounding
+        return residual_form(header, windows, self.max_error, off=off, **states)
 
     def of(self, rect: Rect) -> Cells:
         """Which cells of a block it shows."""

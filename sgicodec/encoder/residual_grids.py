@@ -65,12 +65,12 @@ def residual_form(
     *,
     exact_views: bool = False,
     has_cells: bool = False,
-    is_off: bool = False,
+    off: float = 0,
 ) -> bytes:
-    """What a residual layer states of all its blocks, by the samples [h, w, C] of all windows of its picture; the rest
-    as in `Layer`.
+    """What a residual layer states of all its blocks, by the samples [h, w, C] of all windows of its picture, which are
+    off by so much already; the rest as in `Layer`.
     """
-    stated, max_error = max_error, 0 if is_off else max_error
+    stated, max_error = max_error, max_error - off
     is_float = header.sample_type == "float32"
     channels: list[_Floats | _Integers] = [
         _Floats() if is_float else _Integers(header.sample_type) for _ in range(header.spec.channels)
@@ -215,25 +215,24 @@ class _Floats:
 
     def __init__(self) -> None:
         self.low = self.high = 0.0
-        self._bits: NDArray[np.int32] | None = np.zeros(0, np.int32)
+        self._ranks: NDArray[np.int32] | None = np.zeros(0, np.int32)
         self._scales = list(_SCALES)
 
     def see(self, samples: NDArray[Any]) -> None:
         """More samples of the channel."""
         if samples.size:
-            is_first = self._bits is not None and not self._bits.size
+            is_first = self._ranks is not None and not self._ranks.size
             low, high = float(samples.min()), float(samples.max())
             self.low, self.high = (low, high) if is_first else (min(self.low, low), max(self.high, high))
         for some in (samples[:1000], samples):
             self._scales = [scale for scale in self._scales if _are_whole(some, scale)]
-        if self._bits is not None:
-            bits = np.union1d(self._bits, samples.view(np.int32))
-            self._bits = bits if bits.size <= _MAX_TABLE else None
+        if self._ranks is not None:
+            ranks = np.union1d(self._ranks, _turned(samples.view(np.int32)))
+            self._ranks = ranks if ranks.size <= _MAX_TABLE else None
 
     def distinct(self) -> NDArray[np.float64] | None:
-        """All of them, rising; None where they are many, or 0 has either sign."""
-        found = None if self._bits is None else np.sort(self._bits.view(np.float32).astype(np.float64))
-        return None if found is None or np.count_nonzero(found == 0) > 1 else found
+        """All of them, rising, 0 behind −0; None where they are many."""
+        return None if self._ranks is None else _turned(self._ranks).view(np.float32).astype(np.float64)
 
     def exact_grid(self) -> _Grid:
         """One with all samples on it, or near them."""
@@ -264,6 +263,11 @@ class _Floats:
         """The least scale that makes whole numbers of all samples, not too large ones."""
         reach = self.high - self.low
         return next((scale for scale in self._scales if reach * scale <= _native.MAX_GRID_STEPS), None)
+
+
+def _turned(bits: NDArray[np.int32]) -> NDArray[np.int32]:
+    """The bits of floats as numbers that rise with them; the bits, if given those."""
+    return np.where(bits < 0, np.int32(-1) - (bits & np.int32(0x7FFFFFFF)), bits)
 
 
 def _are_whole(samples: NDArray[np.float32], scale: float) -> bool:

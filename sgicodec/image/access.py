@@ -48,7 +48,7 @@ def access(opened: Opened, keeps: bool = False) -> Access:
     if opened.spec.tile_width:
         return Tiles(opened)
     backward = is_flipped(opened.orientation) and opened.kind not in _ANY_ROW
-    if backward or is_sideways(opened.orientation) or str(opened.spec.format) == "double":
+    if backward or is_sideways(opened.orientation) or not opened.reads_parts:
         return Whole(opened)
     spec = opened.spec
     is_small = spec.width * spec.height * spec.nchannels * opened.native.itemsize <= MAX_KEPT
@@ -208,7 +208,7 @@ def whole(opened: Opened) -> Samples:
     rows it cannot read in parts.
     """
     spec = opened.spec
-    if str(spec.format) == "double":
+    if not opened.reads_parts:
         return opened.samples(opened.image.read_image, spec.height)
     try:
         return Tiles(opened).read(0, 0, spec.width, spec.height) if spec.tile_width else Rows(opened).whole()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from dataclasses import replace
 from pathlib import Path
@@ -11,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec.errors import UsageError
+from sgicodec.image.narrowed import narrowed
 from sgicodec.image.reader import pictured, read, use_of
 from sgicodec.image.used_range import RangeChoice
 from sgicodec.metadata import density, embedded, placement
@@ -75,8 +77,11 @@ def array_picture(
         pixels = pixels[..., None]
     if pixels.ndim != 3:
         raise UsageError(f"an array of shape {pixels.shape}; a picture is [H, W] or [H, W, C]")
+    rounding = 0.0
     if pixels.dtype in (np.float16, np.float64):
-        pixels = _as_float32(pixels)
+        pixels, rounding = narrowed(pixels, nodata)
+        if math.isinf(rounding):
+            raise UsageError("an array of float64 has samples beyond float32")
     if pixels.dtype not in (np.uint8, np.uint16, np.float32):
         raise UsageError(f"an array of {pixels.dtype}; convert it to uint8, uint16 or float32 first")
     if nodata is not None and pixels.dtype.kind == "f":
@@ -94,7 +99,7 @@ def array_picture(
     if layout not in ("multi", *LAYOUTS):
         raise UsageError(f"channels {channels!r}; there are {', '.join(LAYOUTS)} and multi")
     picture = _picture(pixels, layout, sample_range, Metadata(), nodata)
-    return picture if remark is None else replace(picture, remark=remark)
+    return replace(picture, remark=remark or picture.remark, rounding=rounding)
 
 
 _NO_OPACITY = "the last of its channels is opaque nowhere, or more than that: it is taken for a band, not for alpha"
@@ -124,14 +129,6 @@ def _unmasked(array: np.ma.MaskedArray[Any, Any], nodata: float | None) -> tuple
     return samples, nodata
 
 
-def _as_float32(pixels: NDArray[Any]) -> NDArray[Any]:
-    with np.errstate(over="ignore"):
-        narrow = pixels.astype(np.float32)
-    if np.isinf(narrow).any() and not np.isinf(pixels).any():
-        raise UsageError("an array of float64 has samples beyond float32")
-    return narrow
-
-
 def _pillow_picture(image: Any, sample_range: RangeChoice | None) -> Picture:
     """The upright picture of an image of Pillow, with its ICC profile, EXIF and XMP."""
     from PIL import ImageOps
@@ -150,7 +147,8 @@ def _pillow_picture(image: Any, sample_range: RangeChoice | None) -> Picture:
     metadata = replace(
         embedded.moved(blobs, Motion(size[0], size[1], turn)), geo=placement.oriented(stated, turn, *size)
     )
-    return _picture(pixels, layout, sample_range, metadata)
+    rounding = narrowed(np.array(image))[1] if image.mode == "I" else 0.0
+    return replace(_picture(pixels, layout, sample_range, metadata), rounding=rounding)
 
 
 _ORIENTATION = 274

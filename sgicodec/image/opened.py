@@ -27,6 +27,7 @@ from sgicodec.image.header import (
 )
 from sgicodec.image.heif_reader import HeifReader
 from sgicodec.image.library import load_openimageio
+from sgicodec.image.narrowed import narrowed
 from sgicodec.image.opening import by_others, complaint, is_openimageio, no_size_limit, open_image
 from sgicodec.image.pages import ONLY, PageChoice, check_page, chosen_page
 from sgicodec.image.planes import Planes
@@ -73,6 +74,8 @@ class Opened:
     channels: Channels
     associated: bool
     page: PageChoice = ONLY
+    rounding: float = 0.0
+    """By how much a sample that was read is off at most from what the file holds."""
 
     @property
     def orientation(self) -> int:
@@ -89,6 +92,11 @@ class Opened:
     def in_library(self) -> int:
         """How many times the size of all samples the library that reads them holds."""
         return self.image.in_library if isinstance(self.image, Reader) else _IN_LIBRARY.get(self.kind, 0)
+
+    @property
+    def reads_parts(self) -> bool:
+        """Whether a part of the rows can be read: OpenImageIO 3.2 returns garbage for those of 64-bit floats."""
+        return not (is_openimageio(self.image) and str(self.spec.format) == "double")
 
     @property
     def nodata(self) -> float | None:
@@ -120,7 +128,8 @@ class Opened:
 
     def finished(self, stored: Samples) -> Samples:
         """Stored samples of the picture, or of a part, as `Picture` wants them: upright, alpha unassociated."""
-        pixels = stored.astype(self.header.dtype, copy=False)
+        is_float = self.header.dtype == np.float32
+        pixels = self._narrowed(stored) if is_float else stored.astype(self.header.dtype, copy=False)
         if self.channels.order is not None:
             pixels = pixels[..., self.channels.order]
         white = is_white_zero(self.spec) and (self.spec.nchannels > 1 or pixels.dtype != np.uint8)
@@ -132,6 +141,11 @@ class Opened:
             pixels = np.concatenate([~pixels[..., :1], pixels[..., 1:]], axis=-1)
         pixels = pixels[..., : self.header.count]
         return upright(pixels, self.orientation)
+
+    def _narrowed(self, stored: Samples) -> Samples:
+        pixels, off = narrowed(stored, self.nodata)
+        self.rounding = max(self.rounding, off)
+        return pixels
 
 
 def open_picture(path: Path, *, any_size: bool = False, alpha: Alpha = "auto", page: int | None = None) -> Opened:
@@ -218,6 +232,9 @@ def _zarr_picture(path: Path, alpha: Alpha, page: int | None) -> Opened:
 
 def _probe(image: Any, spec: ImageSpec, last: Last) -> Probe:
     """The header; where its reader knows that channels are no colours, they are none."""
+    if is_openimageio(image) and str(spec.format) == "double" and (spec.tile_width or spec.height == 1):
+        what = "in tiles" if spec.tile_width else "a single row"  # of which OpenImageIO 3.2 makes garbage in silence
+        raise PictureError(f"its 64-bit floats are {what}, which cannot be read; save it as 32-bit floats")
     probe = header(spec, image.format_name(), last)
     return replace(probe, channels="multi") if getattr(image, "layout", None) == "multi" else probe
 

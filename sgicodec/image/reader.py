@@ -46,7 +46,7 @@ def read(
         check_whole(opened, max_samples)
         pixels = opened.finished(whole(opened))
         use = use_of(pixels, opened.header.channels, opened.nodata, sample_range)
-        return pictured(pixels, opened.header.channels, use, opened.nodata, opened.metadata)
+        return pictured(pixels, opened.header.channels, use, opened.nodata, opened.metadata, opened.rounding)
 
 
 def use_of(pixels: NDArray[Any], channels: str, nodata: float | None, choice: RangeChoice | None) -> SampleUse:
@@ -63,15 +63,22 @@ def use_of(pixels: NDArray[Any], channels: str, nodata: float | None, choice: Ra
     return use
 
 
-def pictured(pixels: NDArray[Any], channels: str, use: SampleUse, nodata: float | None, metadata: Metadata) -> Picture:
-    """The picture of samples whose use is known. Raises PictureError for not-a-number where nodata is another value and
-    the range is stated.
+def pictured(
+    pixels: NDArray[Any],
+    channels: str,
+    use: SampleUse,
+    nodata: float | None,
+    metadata: Metadata,
+    rounding: float = 0.0,
+) -> Picture:
+    """The picture of samples whose use is known; rounding: as in `Picture`. Raises PictureError for not-a-number where
+    nodata is another value and the range is stated.
     """
     clips = nodata is not None and not (use.exact or np.isnan(nodata))
     if clips and pixels.dtype.kind == "f" and np.isnan(pixels).any():
         raise PictureError("it holds samples that are not a number beside nodata; state no sample range to keep them")
     blank = use.blank if nodata is None else None
-    return Picture(pixels, channels, use.sample_range, metadata, blank, use.exact, use.eight_bits, use.remark)
+    return Picture(pixels, channels, use.sample_range, metadata, blank, use.exact, use.eight_bits, use.remark, rounding)
 
 
 def check_whole(opened: Opened, max_samples: int) -> None:

@@ -49,6 +49,7 @@ class Source:
     ) -> None:
         self._origin, self._max_samples, self.page = origin, max_samples, page
         self._use = sample_range if isinstance(sample_range, SampleUse) else None
+        self._is_scanned = False
         with naming(origin), ExitStack() as stack:
             self.path = stack.enter_context(on_disk(origin))
             self._opened: Opened = open_picture(self.path, any_size=True, alpha=alpha, page=page)
@@ -144,6 +145,15 @@ class Source:
         return self._use
 
     @property
+    def rounding(self) -> float:
+        """As in `Picture`. All pixels are read, once, where there may be any."""
+        if not self._is_scanned and not np.can_cast(self._opened.native, self.dtype):
+            with naming(self._origin):
+                for window in self._scan():
+                    self._pixels(window)
+        return self._opened.rounding
+
+    @property
     def _colours(self) -> int:
         return self.header.count - (alpha_index(self.channels) is not None)
 
@@ -192,6 +202,7 @@ class Source:
 
     def _scan(self) -> Iterator[Window]:
         """Windows that cover the picture: squares of tiles, or full rows."""
+        self._is_scanned = True
         side = int((_SCAN_SAMPLES / self.header.count) ** 0.5) + 1
         columns = side if isinstance(self._access, Tiles) else self.width
         rows = max(1, _SCAN_SAMPLES // (columns * self.header.count))

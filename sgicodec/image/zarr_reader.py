@@ -93,8 +93,6 @@ class ZarrReader(Reader):
             spec.alpha_channel = self._count - 1
         chunks = dict(zip(self._axes, self._array.chunks, strict=True))
         spec.tile_width, spec.tile_height = chunks["x"], chunks["y"]
-        if dtype == "float64":
-            spec.set_format(oiio.TypeDesc("float"))
         return spec
 
     def read_tiles(self, _: int, __: int, *where: Any) -> npt.NDArray[Any]:
@@ -107,8 +105,7 @@ class ZarrReader(Reader):
             raise PictureError(f"it is damaged: {' '.join(str(error).split())}") from error
         planes = samples if "c" in self._axes else samples[None]
         samples = np.moveaxis(planes, 0, -1)
-        dtype = np.float32 if samples.dtype.kind == "f" else samples.dtype.newbyteorder("=")
-        return np.ascontiguousarray(samples, dtype)
+        return np.ascontiguousarray(samples, samples.dtype.newbyteorder("="))
 
 
 def _opened(path: Path) -> tuple[Mapping[str, Any], Sequence[Mapping[str, Any]], Any]:

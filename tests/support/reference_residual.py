@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import struct
+from bisect import bisect_left
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
@@ -37,7 +38,10 @@ class Grid:
     def value(self, sample: float) -> int:
         """The value of a sample."""
         if self.table:
-            return min(range(self.most + 1), key=lambda value: (abs(self.table[value] - sample), value))
+            value = bisect_left(self.table, _rank(F32(sample)), key=lambda one: _rank(F32(one)))
+            near = [other for other in (value - 1, value) if 0 <= other <= self.most]
+            is_there = near[-1] == value and _rank(self.sample(value)) == _rank(F32(sample))
+            return value if is_there else min(near, key=lambda other: abs(self.table[other] - sample))
         return min(self.most, max(0, math.floor((sample - self.base) / self.step + 0.5)))
 
 

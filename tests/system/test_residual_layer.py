@@ -8,18 +8,20 @@ import struct
 import zlib
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 import reference_residual
+import tifffile
 from numpy.typing import NDArray
 from page_varint import decode_varint
 from pipe import Pipe
 from surgery import join, split
 from text_pages import photo, text
 
-from sgicodec import EncodeSettings, Picture, _native, encode_picture
+from sgicodec import EncodeSettings, Picture, _native, encode, encode_picture
 from sgicodec.bitstream.header import encode_header
 from sgicodec.bitstream.rewriting import rewrite_stream
 from sgicodec.bitstream.varint import encode_varint
@@ -52,6 +54,8 @@ def kinds() -> dict[str, Picture]:
     )
     wild[3, 4], wild[7, 8], wild[9, 9] = np.nan, np.inf, -0.0
     spread = np.rint(pixels // 4 * 43.3).astype(np.uint16)
+    few = np.sqrt(pixels // 4 * np.float32(1 / 9)) - 2
+    few[:2], few[2:4] = 0.0, -0.0
     middle = pixels.copy()
     middle[middle == 100] = 101
     middle[8:20, 9:40] = 100
@@ -67,7 +71,7 @@ def kinds() -> dict[str, Picture]:
         "nodata in the middle": Picture(middle, "multi", (0.0, 255.0), blank=100.0),
         "eight bits in sixteen": Picture(pixels.astype(np.uint16) * 257, "rgb", (0.0, 65535.0)),
         "spread": Picture(spread, "multi", (0.0, 3000.0)),
-        "few floats": Picture(np.sqrt(pixels // 4 * np.float32(1 / 9)) - 2, "multi", (-2.0, 8.0)),
+        "few floats": Picture(few, "multi", (-2.0, 8.0)),
         "heights": Picture(heights, "gray", (1000.0, 1077.0)),
         "heights with holes": Picture(holes, "gray", (1000.0, 1077.0), blank=-9999.0),
         "wild floats": Picture(wild, "multi", (-100.0, 100.0), exact=True),
@@ -195,6 +199,28 @@ def test_a_layer_for_another_picture_is_refused(wide: Picture, exact: bytes) -> 
     other = replace(wide, pixels=wide.pixels[:, :-1])
     with open_stream(exact) as stream, pytest.raises(PictureError, match="589×530 pixels"):
         residual_layer(stream, Layer(windows_of(other), 0), Device(1))
+
+
+@pytest.mark.parametrize("dtype", ["float64", "int32", "uint32"])
+@pytest.mark.parametrize("sample_range", [None, (0.0, 1e9)])
+def test_samples_of_too_many_bits(dtype: str, sample_range: tuple[float, float] | None, tmp_path: Path) -> None:
+    """None is off by more than was asked for from what the file holds; what cannot be kept is refused."""
+    samples = (photo(40, 30)[..., 0] * 3_000_001.7).astype(dtype)
+    tifffile.imwrite(tmp_path / "a.tif", samples)
+    with pytest.raises(PictureError, match=r"more bits than 32-bit floats, which are off by up to 3[0-2]"):
+        encode(tmp_path / "a.tif", max_error=0, sample_range=sample_range)
+    data = encode(tmp_path / "a.tif", max_error=40, sample_range=sample_range)
+    with open_stream(data) as stream:
+        off = np.abs(stream.picture().pixels[..., 0].astype(np.float64) - samples)
+        assert (off.max() <= 40, stream.max_error) == (True, 40)
+    tifffile.imwrite(tmp_path / "b.tif", samples // 4096 * 4096)
+    with open_stream(encode(tmp_path / "b.tif", max_error=0)) as stream:
+        np.testing.assert_array_equal(stream.picture().pixels[..., 0], samples // 4096 * 4096)
+
+
+def test_an_array_of_too_many_bits() -> None:
+    with pytest.raises(PictureError, match="more bits"):
+        encode(photo(40, 30)[..., 0] / 255.0, max_error=0)
 
 
 def test_errors_that_make_no_sense() -> None:

@@ -114,6 +114,7 @@ class _SourceWindows:
             use.exact,
             use.eight_bits,
             use.remark,
+            source.rounding,
         )
         self.read, self.memory, self.page = source.read, source.memory, source.page
 
