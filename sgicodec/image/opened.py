@@ -39,6 +39,7 @@ from sgicodec.image.zarr_reader import ZarrReader, is_zarr
 from sgicodec.metadata import embedded, geo, ifd, placement, png
 from sgicodec.metadata.filebytes import FileBytes
 from sgicodec.metadata.layouts import alpha_index
+from sgicodec.metadata.left_behind import left_behind
 from sgicodec.metadata.orientation import upright
 from sgicodec.metadata.pages import PageBytes
 from sgicodec.picture import Metadata
@@ -76,6 +77,8 @@ class Opened:
     page: PageChoice = ONLY
     rounding: float = 0.0
     """By how much a sample that was read is off at most from what the file holds."""
+    left_behind: tuple[str, ...] = ()
+    """What the file says that is not kept."""
 
     @property
     def orientation(self) -> int:
@@ -171,14 +174,15 @@ def open_picture(path: Path, *, any_size: bool = False, alpha: Alpha = "auto", p
         data = FileBytes(file)
         other = _check(data)
         if other is not None:
-            return _sniffed_picture(path, other, embedded.extract(data), alpha, page)
+            opened = _sniffed_picture(path, other, embedded.extract(data), alpha, page)
+            return replace(opened, left_behind=tuple(left_behind(data)))
         with no_size_limit() if any_size and ifd.layout(data) is not None else nullcontext():
             image = open_image(path, page=page)
         chosen = _chosen(path, data, image, page)
         if chosen.directory is not None and chosen.directory.number:
             data = PageBytes(file, chosen.directory)
             _refuse(ifd.damage(data))
-        found = embedded.extract(data)
+        found, left = embedded.extract(data), left_behind(data)
         declared = declared_channels(data, image.format_name())
         if declared.second or chosen.left_out:
             image = open_image(path, second=True, page=page)
@@ -193,7 +197,7 @@ def open_picture(path: Path, *, any_size: bool = False, alpha: Alpha = "auto", p
     metadata = replace(found, icc=_icc(spec, probe.channels), geo=georeference)
     has_alpha = declared.last == "alpha" and alpha_index(header(spec, kind).channels) is not None
     associated = has_alpha and alpha != "band" and is_associated(spec, kind)
-    return Opened(path, image, spec, kind, probe, metadata, declared, associated, chosen)
+    return Opened(path, image, spec, kind, probe, metadata, declared, associated, chosen, left_behind=tuple(left))
 
 
 def _chosen(path: Path, data: FileBytes, image: ImageInput | DecodedPicture, page: int | None) -> PageChoice:

@@ -86,8 +86,9 @@ class Source:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What is left out of the page."""
-        return getattr(self._opened.image, "notes", ())
+        """What is left out of the page, and of what the file says."""
+        left = ", ".join(self._opened.left_behind)
+        return (*getattr(self._opened.image, "notes", ()), *([f"not kept: {left}"] if left else []))
 
     @property
     def header(self) -> Probe:

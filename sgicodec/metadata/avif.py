@@ -40,7 +40,7 @@ and right, None none.
 
 class Still(NamedTuple):
     """The primary picture as it is stored: samples of so many bits; crop: what of it is meant to be seen; orientation:
-    how that is turned then, 1 to 8.
+    how that is turned then, 1 to 8; colours: numbers of primaries and transfer function, if nothing else states them.
     """
 
     width: int
@@ -49,6 +49,7 @@ class Still(NamedTuple):
     is_gray: bool
     crop: Window
     orientation: int
+    colours: tuple[int, int] | None = None
 
 
 def is_avif(data: Bytes) -> bool:
@@ -84,7 +85,9 @@ def _still(data: Bytes) -> Still:
     sizes = [struct.unpack_from(">II", value, 4) for kind, value in own if kind == b"ispe"]
     width, height = sizes[0]
     bits, is_gray = _samples(own, listed)
-    return Still(width, height, bits, is_gray, *_transforms(own, width, height))
+    stated = {value[:4]: value[4:] for kind, value in own if kind == b"colr"}
+    colours = struct.unpack_from(">HH", stated[b"nclx"]) if set(stated) == {b"nclx"} else None
+    return Still(width, height, bits, is_gray, *_transforms(own, width, height), colours)
 
 
 def _boxes(data: Bytes, within: slice) -> Iterator[tuple[bytes, slice]]:

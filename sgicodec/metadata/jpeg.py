@@ -16,7 +16,7 @@ from sgicodec.metadata.blobs import Metadata
 from sgicodec.metadata.density import Density
 from sgicodec.metadata.filebytes import Bytes
 
-__all__ = ["SIGNATURE", "find", "insert"]
+__all__ = ["SIGNATURE", "find", "insert", "segments"]
 
 SIGNATURE = b"\xff\xd8\xff"
 _JFIF = b"JFIF\0"
@@ -41,7 +41,7 @@ def find(data: Bytes) -> tuple[bytes | None, bytes | None, bytes | None]:
     xmp = stated = None
     parts: list[bytes] = []
     extensions = []
-    for start, end in _segments(data):
+    for start, end in segments(data):
         marker, payload = data[start + 1], b""
         if marker in (_APP0, _APP1):
             payload = bytes(data[start + 4 : end])
@@ -64,22 +64,22 @@ def insert(data: Bytes, metadata: Metadata) -> Iterator[bytes]:
     """The file with this metadata in place of its own, piece by piece. Raises PictureError if it does not fit
     a segment.
     """
-    spans = list(_segments(data))
-    segments = [bytes(data[start:end]) for start, end in spans]
+    spans = list(segments(data))
+    found = [bytes(data[start:end]) for start, end in spans]
     rest = range(spans[-1][1], len(data), _PIECE)
-    kept = [segment for segment in segments if not segment.startswith(_PREFIXES, 4)]
+    kept = [segment for segment in found if not segment.startswith(_PREFIXES, 4)]
     jfif = list(itertools.takewhile(lambda segment: segment[1] == _APP0, kept))
-    found = density.density(metadata.geo, metadata.exif)
+    dense = density.density(metadata.geo, metadata.exif)
     ours = [] if metadata.exif is None else [_segment(exif.PREFIX, metadata.exif, "EXIF")]
     if metadata.xmp is not None:
         is_long = len(metadata.xmp) > _PAYLOAD_MAX - len(_XMP_PREFIX)
         packet = extended_xmp.without_padding(metadata.xmp) if is_long else metadata.xmp
         ours.append(_segment(_XMP_PREFIX, packet, "XMP"))
-    yield from (bytes(data[:2]), *(_with_density(segment, found) for segment in jfif), *ours, *kept[len(jfif) :])
+    yield from (bytes(data[:2]), *(_with_density(segment, dense) for segment in jfif), *ours, *kept[len(jfif) :])
     yield from (bytes(data[start : start + _PIECE]) for start in rest)
 
 
-def _segments(data: Bytes) -> Iterator[tuple[int, int]]:
+def segments(data: Bytes) -> Iterator[tuple[int, int]]:
     """Start and end of each marker segment before the first scan. Fill bytes before markers, and anything else there,
     are passed over, as decoders do.
     """

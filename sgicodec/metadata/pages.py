@@ -10,22 +10,25 @@ from typing import BinaryIO, NamedTuple, overload
 from sgicodec.metadata import ifd
 from sgicodec.metadata.filebytes import Bytes, FileBytes
 
-__all__ = ["Page", "PageBytes", "tiff_pages"]
+__all__ = ["Page", "PageBytes", "has_mask", "tiff_pages"]
 
 _SUBFILE, _OLD_SUBFILE, _WIDTH, _HEIGHT, _DESCRIPTION, _TILE_WIDTH = 254, 255, 256, 257, 270, 322
 _ASKED = (_SUBFILE, _OLD_SUBFILE, _WIDTH, _HEIGHT, _TILE_WIDTH)
-_REDUCED_OR_MASK, _OLD_REDUCED = 1 | 4, 2
+_REDUCED, _MASK, _OLD_REDUCED = 1, 4, 2
 _APERIO = b"Aperio"
 
 
 class Page(NamedTuple):
-    """A directory: its number in the file, from 0, its offset, the size of its picture, whether that is in tiles."""
+    """A directory: its number in the file, from 0, its offset, the size of its picture, whether that is in tiles, and
+    is a mask of another.
+    """
 
     number: int
     offset: int
     width: int = 0
     height: int = 0
     tiled: bool = False
+    is_mask: bool = False
 
 
 def tiff_pages(data: Bytes) -> list[Page]:
@@ -41,6 +44,12 @@ def tiff_pages(data: Bytes) -> list[Page]:
     return pages[:1] if _is_slide(data) or _are_levels(pages) else pages
 
 
+def has_mask(data: Bytes) -> bool:
+    """Whether one of the directories of a TIFF file is a mask of another."""
+    spelling = ifd.layout(data)
+    return spelling is not None and any(page.is_mask for page, _ in _directories(data, spelling))
+
+
 def _directories(data: Bytes, spelling: ifd.Layout) -> Iterator[tuple[Page, bool]]:
     """Each directory of the chain, and whether it says nothing of being a part of another."""
     seen: set[int] = set()
@@ -50,9 +59,9 @@ def _directories(data: Bytes, spelling: ifd.Layout) -> Iterator[tuple[Page, bool
             seen.add(offset)
             found = ifd.rows(data, offset, spelling)
             values = {row.tag: ifd.first_integer(data, row, spelling) for row in found if row.tag in _ASKED}
-            own = not values.get(_SUBFILE, 0) & _REDUCED_OR_MASK and values.get(_OLD_SUBFILE) != _OLD_REDUCED
+            own = not values.get(_SUBFILE, 0) & (_REDUCED | _MASK) and values.get(_OLD_SUBFILE) != _OLD_REDUCED
             size = values.get(_WIDTH, 0), values.get(_HEIGHT, 0)
-            yield Page(len(seen) - 1, offset, *size, _TILE_WIDTH in values), own
+            yield Page(len(seen) - 1, offset, *size, _TILE_WIDTH in values, values.get(_SUBFILE, 0) & _MASK > 0), own
             end = offset + spelling.count.size + len(found) * spelling.row.size
             offset = ifd.offset(data, end, spelling)
     except struct.error:

@@ -14,7 +14,7 @@ from sgicodec.metadata.blobs import Metadata
 from sgicodec.metadata.density import Density
 from sgicodec.metadata.filebytes import Bytes
 
-__all__ = ["SIGNATURE", "chunk", "damage", "find", "frames", "metadata_chunks"]
+__all__ = ["SIGNATURE", "chunk", "chunks", "damage", "find", "frames", "metadata_chunks"]
 
 SIGNATURE = b"\x89PNG\r\n\x1a\n"
 _XMP_KEYWORD = b"XML:com.adobe.xmp"
@@ -54,7 +54,7 @@ def damage(data: Bytes) -> str | None:
 def find(data: Bytes) -> tuple[bytes | None, bytes | None, bytes | None]:
     """EXIF and XMP, from the chunks made for them or as ImageMagick and ExifTool hid them in texts before; `geo`."""
     exif = xmp = hidden_exif = hidden_xmp = stated = None
-    for kind, start, end in _chunks(data):
+    for kind, start, end in chunks(data):
         if kind == b"eXIf":
             exif = bytes(data[start:end])
         elif kind == b"pHYs" and end - start == 9:
@@ -90,20 +90,20 @@ def _physical(found: Density) -> bytes:
 
 def metadata_chunks(metadata: Metadata) -> bytes:
     """The chunks between IHDR and the pixels: ICC profile, density, EXIF and XMP, as far as there are any."""
-    chunks = b""
+    made = b""
     if metadata.icc is not None:
-        chunks += chunk(b"iCCP", b"ICC profile\0\0" + zlib.compress(metadata.icc))
+        made += chunk(b"iCCP", b"ICC profile\0\0" + zlib.compress(metadata.icc))
     found = density.density(metadata.geo, metadata.exif)
     if found is not None and (physical := _physical(found)):
-        chunks += chunk(b"pHYs", physical)
+        made += chunk(b"pHYs", physical)
     if metadata.exif is not None:
-        chunks += chunk(b"eXIf", metadata.exif)
+        made += chunk(b"eXIf", metadata.exif)
     if metadata.xmp is not None:
-        chunks += chunk(b"iTXt", _XMP_KEYWORD + bytes(5) + metadata.xmp)
-    return chunks
+        made += chunk(b"iTXt", _XMP_KEYWORD + bytes(5) + metadata.xmp)
+    return made
 
 
-def _chunks(data: Bytes) -> Iterator[tuple[bytes, int, int]]:
+def chunks(data: Bytes) -> Iterator[tuple[bytes, int, int]]:
     """Kind, start and end of the contents of each whole chunk."""
     at = len(SIGNATURE)
     while at + 12 <= len(data):
@@ -152,7 +152,7 @@ def chunk(kind: bytes, contents: bytes) -> bytes:
 def frames(data: Bytes) -> int:
     """How many pictures an animated PNG shows, its still one included; 1 of others."""
     count, still = 1, 1
-    for kind, start, _ in _chunks(data):
+    for kind, start, _ in chunks(data):
         if kind == b"acTL":
             count = int.from_bytes(data[start : start + 4], "big")
         elif kind == b"fcTL":

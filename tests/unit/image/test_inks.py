@@ -49,6 +49,7 @@ def test_what_is_left_out_is_said(tmp_path: Path, extra: list[str], left_out: in
     path = save(tmp_path / "x.tif", np.dstack([INKS, *[OTHER] * len(extra)]), extra)
     with open_source(path) as source:
         notes = [f"{left_out} of its samples, beside four inks, are left out"] if left_out else []
+        notes.append("not kept: inks (RGB instead)")
         assert list(source.notes) == notes
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")

@@ -1,0 +1,91 @@
+"""What a picture file says that a stream does not keep (docs/pictures.md, "What is kept besides pixels")."""
+
+from __future__ import annotations
+
+import struct
+
+from sgicodec.errors import PictureError
+from sgicodec.metadata import avif, ifd, jpeg, pages, png
+from sgicodec.metadata.filebytes import Bytes
+
+__all__ = ["left_behind"]
+
+_IPTC, _INKS, _TEXTS, _COLOURS = "IPTC", "inks (RGB instead)", "texts", "colour space"
+_SRGB, _UNKNOWN = (1, 13), (2, 2)
+"""Colour primaries and transfer function by their numbers (ITU-T H.273)."""
+_SRGB_GAMMA, _SRGB_PLACES = 45455, (31270, 32900, 64000, 33000, 30000, 60000, 15000, 6000)
+_NEAR = 100
+"""In 100,000ths, of what PNG states of sRGB."""
+_KEPT_TEXTS = (b"XML:com.adobe.xmp", b"Raw profile type exif", b"Raw profile type APP1", b"Raw profile type xmp")
+_IDLE_TEXTS = (b"Software", b"date:", b"Creation Time", b"Raw profile type icc")
+"""Beginnings of keywords that say nothing of the picture itself."""
+_IDLE_COMMENTS = (b"File written by", b"Created with", b"CREATOR:", b"LEAD Technologies", b"Lavc", b"Compressed by")
+"""Beginnings of comments that name a program alone."""
+_PHOTOSHOP, _OF_IPTC, _MORE_PICTURES = b"Photoshop 3.0\0", b"8BIM\x04\x04", b"MPF\0"
+_APP2, _APP13, _COMMENT = 0xE2, 0xED, 0xFE
+_FRAMES = {*range(0xC0, 0xD0)} - {0xC4, 0xC8, 0xCC}
+_PHOTOMETRIC, _TIFF_IPTC, _TIFF_PHOTOSHOP, _SEPARATED = 262, 33723, 34377, 5
+
+
+def left_behind(data: Bytes) -> list[str]:
+    """Names of it, of the bytes of any picture file; of damaged ones as far as they can be read."""
+    try:
+        if data[:8] == png.SIGNATURE:
+            found = _of_png(data)
+        elif data[:3] == jpeg.SIGNATURE:
+            found = _of_jpeg(data)
+        elif avif.is_avif(data):
+            found = [f"{_COLOURS} (nclx)"] if avif.still(data).colours not in (None, _SRGB, _UNKNOWN) else []
+        else:
+            found = _of_tiff(data)
+    except (struct.error, PictureError):
+        return []
+    return list(dict.fromkeys(found))
+
+
+def _of_png(data: Bytes) -> list[str]:
+    chunks = {kind: bytes(data[start : min(end, start + 79)]) for kind, start, end in png.chunks(data)}
+    found = []
+    if b"cICP" in chunks:
+        found += [f"{_COLOURS} (cICP)"] if tuple(chunks[b"cICP"][:2]) != _SRGB else []
+    elif not chunks.keys() & {b"iCCP", b"sRGB"}:
+        is_far = (_is_far(chunks.get(b"gAMA"), (_SRGB_GAMMA,)), _is_far(chunks.get(b"cHRM"), _SRGB_PLACES))
+        found += [f"{_COLOURS} (gAMA, cHRM)"] if any(is_far) else []
+    for kind, start, end in png.chunks(data):
+        if kind in (b"tEXt", b"zTXt", b"iTXt"):
+            keyword = bytes(data[start : min(end, start + 79)])
+            if not keyword.startswith(_KEPT_TEXTS + _IDLE_TEXTS):
+                found.append(_IPTC if keyword.startswith(b"Raw profile type iptc") else _TEXTS)
+    return found
+
+
+def _is_far(contents: bytes | None, usual: tuple[int, ...]) -> bool:
+    """Whether whole numbers of 32 bits are others than these."""
+    if contents is None:
+        return False
+    stated = struct.unpack(f">{len(usual)}I", contents)
+    return any(abs(a - b) > _NEAR for a, b in zip(stated, usual, strict=True))
+
+
+def _of_jpeg(data: Bytes) -> list[str]:
+    found = []
+    for start, end in jpeg.segments(data):
+        marker, payload = data[start + 1], bytes(data[start + 4 : end])
+        if marker == _APP13 and payload.startswith(_PHOTOSHOP) and _OF_IPTC in payload:
+            found.append(_IPTC)
+        elif marker == _APP2 and payload.startswith(_MORE_PICTURES):
+            found.append("further pictures (MPF)")
+        elif marker == _COMMENT and not payload.startswith(_IDLE_COMMENTS):
+            found.append("a comment")
+        elif marker in _FRAMES and payload[5:6] == b"\4":
+            found.append(_INKS)
+    return found
+
+
+def _of_tiff(data: Bytes) -> list[str]:
+    entries = ifd.entries(data, {_PHOTOMETRIC, _TIFF_IPTC, _TIFF_PHOTOSHOP})
+    photometric, photoshop = entries.get(_PHOTOMETRIC), entries.get(_TIFF_PHOTOSHOP)
+    found = [_INKS] if photometric is not None and photometric.short == _SEPARATED else []
+    if _TIFF_IPTC in entries or (photoshop is not None and _OF_IPTC in photoshop.data):
+        found.append(_IPTC)
+    return [*found, "a mask"] if pages.has_mask(data) else found

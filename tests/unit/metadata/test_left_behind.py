@@ -1,0 +1,112 @@
+"""What a stream does not keep of a picture file is named."""
+
+from __future__ import annotations
+
+import io
+import struct
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import tifffile
+from PIL import Image, PngImagePlugin
+
+from sgicodec.metadata.filebytes import FileBytes
+from sgicodec.metadata.left_behind import left_behind
+from sgicodec.metadata.png import chunk
+
+PIXELS = np.arange(48, dtype=np.uint8).reshape(4, 4, 3)
+
+
+def saved(kind: str, mode: str = "RGB", **options: Any) -> bytes:
+    out = io.BytesIO()
+    Image.fromarray(PIXELS).convert(mode).save(out, kind, **options)
+    return out.getvalue()
+
+
+def png(*chunks: bytes) -> bytes:
+    """A PNG with more chunks before its pixels."""
+    plain = saved("png")
+    return plain[:33] + b"".join(chunks) + plain[33:]
+
+
+def texts(**given: str) -> bytes:
+    info = PngImagePlugin.PngInfo()
+    for keyword, text in given.items():
+        info.add_text(keyword.replace("_", " "), text)
+    return saved("png", pnginfo=info)
+
+
+def jpeg(marker: int, payload: bytes) -> bytes:
+    """A JPEG with one more segment."""
+    plain = saved("jpeg")
+    return plain[:2] + struct.pack(">BBH", 0xFF, marker, len(payload) + 2) + payload + plain[2:]
+
+
+def tiff(*pages: dict[str, Any]) -> bytes:
+    out = io.BytesIO()
+    with tifffile.TiffWriter(out) as file:
+        for options in pages:
+            file.write(PIXELS[..., 0], metadata=None, **options)
+    return out.getvalue()
+
+
+def masked() -> bytes:
+    """A TIFF whose second page is a mask of the first."""
+    out = io.BytesIO(tiff({}, {"subfiletype": 1}))
+    with tifffile.TiffFile(out, mode="r+b") as file:
+        file.pages[1].tags[254].overwrite(4)
+    return out.getvalue()
+
+
+GAMMA, LINEAR = (chunk(b"gAMA", struct.pack(">I", value)) for value in (45455, 100000))
+PQ = chunk(b"cICP", bytes([9, 16, 0, 1]))
+
+
+@pytest.mark.parametrize(
+    ("data", "names"),
+    [
+        (png(), []),
+        (png(GAMMA), []),
+        (png(LINEAR), ["colour space (gAMA, cHRM)"]),
+        (png(LINEAR, chunk(b"sRGB", b"\0")), []),
+        (
+            png(chunk(b"cHRM", struct.pack(">8I", 31270, 32900, 70800, 29200, 17000, 79700, 13100, 4600))),
+            ["colour space (gAMA, cHRM)"],
+        ),
+        (png(PQ, chunk(b"sRGB", b"\0")), ["colour space (cICP)"]),
+        (png(chunk(b"cICP", bytes([1, 13, 0, 1])), LINEAR), []),
+        (texts(Software="x"), []),
+        (texts(Author="A. Painter", Title="Two"), ["texts"]),
+        (texts(Raw_profile_type_iptc="\niptc\n 2\n0000\n"), ["IPTC"]),
+        (saved("jpeg"), []),
+        (saved("jpeg", comment="by hand"), ["a comment"]),
+        (saved("jpeg", comment="CREATOR: gd-jpeg v1.0"), []),
+        (saved("jpeg", "CMYK"), ["inks (RGB instead)"]),
+        (jpeg(0xED, b"Photoshop 3.0\0" + b"8BIM\4\4" + bytes(8)), ["IPTC"]),
+        (jpeg(0xED, b"Photoshop 3.0\0" + b"8BIM\4\5" + bytes(8)), []),
+        (jpeg(0xE2, b"MPF\0" + bytes(20)), ["further pictures (MPF)"]),
+        (tiff({}), []),
+        (tiff({"extratags": [(33723, "B", 4, b"1234", True)]}), ["IPTC"]),
+        (masked(), ["a mask"]),
+        (tiff({}, {"subfiletype": 1}), []),
+        (saved("webp"), []),
+        (b"no picture", []),
+        (png(LINEAR)[:44], []),
+    ],
+)
+def test_what_is_not_kept_is_named(data: bytes, names: list[str], tmp_path: Path) -> None:
+    (tmp_path / "a").write_bytes(data)
+    with (tmp_path / "a").open("rb") as file:
+        assert left_behind(FileBytes(file)) == names
+
+
+def test_colours_that_avif_numbers(tmp_path: Path) -> None:
+    """Those of sRGB are what everybody takes them for."""
+    data = saved("avif")
+    at = data.index(b"nclx") + 4
+    for colours, names in (((1, 13), []), ((9, 16), ["colour space (nclx)"])):
+        (tmp_path / "a").write_bytes(data[:at] + struct.pack(">2H", *colours) + data[at + 4 :])
+        with (tmp_path / "a").open("rb") as file:
+            assert left_behind(FileBytes(file)) == names
