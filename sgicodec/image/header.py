@@ -24,6 +24,7 @@ __all__ = [
     "is_white_zero",
     "number_as_read",
     "orientation",
+    "stretched_bits",
 ]
 
 MAX_SAMPLES = 1 << 31
@@ -128,6 +129,12 @@ def has_own_numbers(spec: ImageSpec) -> bool:
     bits = spec.get_int_attribute("oiio:BitsPerSample", 0)
     stretched = str(spec.format).startswith("uint") and bits not in (0, 8 * spec.format.size())
     return not stretched and _photometric(spec) in (_GRAY, _RGB, _YCBCR)
+
+
+def stretched_bits(spec: ImageSpec) -> int:
+    """Bits of the samples of a TIFF, 9 to 15, that come stretched to 16; else 0."""
+    bits = int(spec.get_int_attribute("oiio:BitsPerSample", 0))
+    return bits if str(spec.format) == "uint16" and 8 < bits < 16 else 0
 
 
 def number_as_read(value: float, spec: ImageSpec) -> float | None:

@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from sgicodec.errors import PictureError, UsageError
 from sgicodec.image.access import Access, Tiles, Whole, access
-from sgicodec.image.header import MAX_SAMPLES, Probe
+from sgicodec.image.header import MAX_SAMPLES, Probe, stretched_bits
 from sgicodec.image.opened import Alpha, Opened, open_picture
 from sgicodec.image.origin import Origin, naming, on_disk
 from sgicodec.image.reader import check_whole, pictured
@@ -86,9 +86,14 @@ class Source:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What is left out of the page, and of what the file says."""
-        left = ", ".join(self._opened.left_behind)
-        return (*getattr(self._opened.image, "notes", ()), *([f"not kept: {left}"] if left else []))
+        """What of the page, and of what the file says, does not come as it is."""
+        opened = self._opened
+        notes = [*getattr(opened.image, "notes", ())]
+        if bits := stretched_bits(opened.spec):
+            notes.append(f"samples v of its {bits} bits become 16 bits, v · 65535 / {(1 << bits) - 1} rounded down")
+        if opened.left_behind:
+            notes.append(f"not kept: {', '.join(opened.left_behind)}")
+        return tuple(notes)
 
     @property
     def header(self) -> Probe:

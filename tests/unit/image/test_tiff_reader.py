@@ -95,6 +95,16 @@ def test_samples_are_what_openimageio_makes_of_them(tmp_path: Path) -> None:
         np.testing.assert_allclose(picture.pixels, by_openimageio.pixels, atol=int("inks" in name), err_msg=name)
 
 
+@pytest.mark.parametrize("compression", ["DEFLATE", "ZSTD"])
+def test_that_12_bits_are_stretched_is_said(tmp_path: Path, compression: str) -> None:
+    pixels = samples(1, "uint16", 4095)
+    with open_source(save(tmp_path / "x.tif", pixels, nbits=12, compress=compression)) as source:
+        assert source.notes == ("samples v of its 12 bits become 16 bits, v · 65535 / 4095 rounded down",)
+        np.testing.assert_array_equal(
+            source.read(0, 0, WIDTH, HEIGHT).pixels[..., 0], pixels[0].astype(int) * 65535 // 4095
+        )
+
+
 def test_inks_that_gdal_has_mixed_are_refused(tmp_path: Path) -> None:
     path = save(tmp_path / "x.tif", samples(5, "uint8", 255), compress="ZSTD", photometric="CMYK")
     with pytest.raises(PictureError, match="GDAL finds 4 of its 5 channels; convert it first"):
