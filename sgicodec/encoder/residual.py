@@ -20,7 +20,7 @@ from sgicodec.decoder.stream import Stream
 from sgicodec.device import Device
 from sgicodec.encoder.graphic_cells import Cells, cells_in, cells_shape, stacked_cells
 from sgicodec.encoder.input.windows import Windows
-from sgicodec.encoder.residual_grids import alpha_form, block_rects, residual_form
+from sgicodec.encoder.residual_grids import alpha_form, block_rects, coded_bits, residual_form
 from sgicodec.errors import PictureError
 from sgicodec.model.tile_grid import Rect
 
@@ -105,13 +105,9 @@ def residual_layer(stream: Stream, layer: Layer, device: Device) -> bytes:
 
 def bits_of_blocks(header: Header, layer: Layer, rects: Iterable[Rect]) -> float:
     """What a residual layer takes of these blocks, whatever is drawn below."""
-    rects, bits = list(rects), 0.0
-    form, whole = layer.form(header, rects), encode_header(header)
-    for rect in rects:
-        block = layer.samples(rect)
-        coded, ones, _ = _native.code_residual(block, np.zeros_like(block), whole, form, _flags(layer.of(rect)))
-        bits -= float(np.log2(np.where(coded, ones, 65536 - ones) / 65536).sum())
-    return bits
+    rects = list(rects)
+    form = layer.form(header, rects)
+    return sum(coded_bits(layer.samples(rect), header, form, _flags(layer.of(rect))) for rect in rects)
 
 
 class _Block(NamedTuple):

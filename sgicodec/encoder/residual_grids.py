@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 
 from sgicodec import _native
 from sgicodec.bitstream.entropy.symbol_writer import range_coded
-from sgicodec.bitstream.header import Header
+from sgicodec.bitstream.header import Header, encode_header
 from sgicodec.bitstream.varint import encode_varint
 from sgicodec.metadata.layouts import alpha_index
 from sgicodec.model.tile_grid import Rect
 
-__all__ = ["Repeats", "alpha_form", "block_rects", "residual_form"]
+__all__ = ["Repeats", "alpha_form", "block_rects", "coded_bits", "residual_form"]
 
 _SCALES = (1, 10, 100, 1000, 10_000, 2, 4, 16, 64, 256, 1024, 4096)
 """Floats are often whole multiples of one over one of these."""
@@ -68,44 +68,84 @@ def residual_form(
     off: float = 0,
 ) -> bytes:
     """What a residual layer states of all its blocks, by the samples [h, w, C] of all windows of its picture, which are
-    off by so much already; the rest as in `Layer`.
+    off by so much already; the rest as in `Layer`. It has tables of samples where it takes fewer bits with them.
     """
-    stated, max_error = max_error, max_error - off
-    is_float = header.sample_type == "float32"
-    channels: list[_Floats | _Integers] = [
-        _Floats() if is_float else _Integers(header.sample_type) for _ in range(header.spec.channels)
-    ]
-    alpha, repeats, palette = alpha_index(header.channels), Repeats(), _Palette()
+    survey = _Survey(header, exact_views)
     for pixels in windows:
-        others = repeats.see(pixels)
-        if exact_views and not is_float:
-            palette.see(pixels[others])
-        for number, channel in enumerate(channels):
+        survey.see(pixels)
+    flags = exact_views * _VIEWS + has_cells * _CELLS
+    plain, tabled = (survey.form(max_error, max_error - off, flags, has_tables) for has_tables in (False, True))
+    return plain if plain == tabled else min(plain, tabled, key=survey.bits)
+
+
+def coded_bits(samples: NDArray[np.float32], header: Header, form: bytes, cells: NDArray[np.uint8]) -> float:
+    """Bits of a block [h, w, C] in a layer of this form, whatever is drawn below. cells: 1 for those that it shows."""
+    coded, ones, _ = _native.code_residual(samples, np.zeros_like(samples), encode_header(header), form, cells)
+    return -float(np.log2(np.where(coded, ones, 65536 - ones) / 65536).sum())
+
+
+class _Survey:
+    """What windows of a picture tell of its samples; has_colours: whether its colours are of interest."""
+
+    def __init__(self, header: Header, has_colours: bool) -> None:
+        self._header, self._is_float = header, header.sample_type == "float32"
+        self._alpha, self._has_colours = alpha_index(header.channels), has_colours and not self._is_float
+        self._channels: list[_Floats | _Integers] = [
+            _Floats() if self._is_float else _Integers(header.sample_type) for _ in range(header.spec.channels)
+        ]
+        self._repeats, self._palette, self._most, self._part = (
+            Repeats(),
+            _Palette(),
+            -1,
+            np.zeros((0, 0, 0), np.float32),
+        )
+
+    def see(self, pixels: NDArray[Any]) -> None:
+        """One more window [h, w, C]."""
+        others = self._repeats.see(pixels)
+        if self._has_colours:
+            self._palette.see(pixels[others])
+        if np.count_nonzero(others) > self._most:
+            self._most, self._part = int(np.count_nonzero(others)), pixels[:_PART, :_PART].astype(np.float32)
+        for number, channel in enumerate(self._channels):
             samples = pixels[..., number].ravel()
             is_measured = np.isfinite(samples)
-            if header.blank is not None and number != alpha:
-                is_measured &= samples != header.blank
+            if self._header.blank is not None and number != self._alpha:
+                is_measured &= samples != self._header.blank
             channel.see(samples[is_measured])
-    has_few = palette.is_small(repeats.pixels)
-    grids: list[_Grid | None] = []
-    for number, channel in enumerate(channels):
-        most_off = max_error if is_float or number != alpha else 0
-        grid = channel.grid(most_off, header.blank)
-        grids.append(None if has_few else _with_table(channel, grid, most_off, repeats.pixels))
-        grids[-1] = grids[-1] or grid
-    if repeats.are_usual:  # a coarse grid must not hold nodata
-        grids = [grid and (grid.coarser() if header.blank is None else replace(grid, max_error=0)) for grid in grids]
-    has_bits = None in grids
-    if has_bits:
-        grids = [
-            grid if grid and grid.table is not None else channel.exact_grid()
-            for grid, channel in zip(grids, channels, strict=True)
-        ]
-    found = [grid for grid in grids if grid is not None]
-    has_palette = has_few and not any(grid.max_error for grid in found)
-    flags = has_bits * _BITS + exact_views * _VIEWS + has_palette * _PALETTE + has_cells * _CELLS
-    head = struct.pack("<d", stated) + encode_varint(flags)
-    return head + b"".join(grid.encode() for grid in found) + (palette.encode(found) if has_palette else b"")
+
+    def form(self, stated: float, max_error: float, flags: int, has_tables: bool) -> bytes:
+        """The form of a layer of which no sample is off by more; it states another greatest error."""
+        has_few, is_masked = self._palette.is_small(self._repeats.pixels), self._header.blank is not None
+        grids: list[_Grid | None] = []
+        for number, channel in enumerate(self._channels):
+            most_off = max_error if self._is_float or number != self._alpha else 0
+            grid = channel.grid(most_off, self._header.blank)
+            table = _with_table(channel, grid, most_off) if has_tables and not has_few else None
+            if grid and not table and self._repeats.are_usual:  # a coarse grid must not hold nodata
+                grid = replace(grid, max_error=0) if is_masked else grid.coarser()
+            grids.append(table or grid)
+        if None in grids:
+            flags |= _BITS
+            grids = [
+                grid if grid and grid.table is not None else channel.exact_grid()
+                for grid, channel in zip(grids, self._channels, strict=True)
+            ]
+        found = [grid for grid in grids if grid is not None]
+        has_palette = has_few and not any(grid.max_error for grid in found)
+        head = struct.pack("<d", stated) + encode_varint(flags | has_palette * _PALETTE)
+        return head + b"".join(grid.encode() for grid in found) + (self._palette.encode(found) if has_palette else b"")
+
+    def bits(self, form: bytes) -> float:
+        """What a layer of this form takes, by the part of the picture that was kept."""
+        height, width, _ = self._part.shape
+        cells = np.ones(-(-height // _native.RESIDUAL_CELL) * -(-width // _native.RESIDUAL_CELL), np.uint8)
+        coded = coded_bits(np.ascontiguousarray(self._part), self._header, form, cells)
+        return 8 * len(form) + coded * self._repeats.pixels / (height * width)
+
+
+_PART = 256
+"""Pixels of a side of the part of a picture by which forms are compared."""
 
 
 def alpha_form(largest: int) -> bytes:
@@ -178,8 +218,6 @@ class _Palette:
 
 
 _MAX_TABLE = _native.MAX_TABLE_STEPS + 1
-_GAINED = 0.5
-"""Of the bits that a table of samples saves if all that occur are equally likely."""
 
 
 class _Integers:
@@ -280,14 +318,13 @@ def _is_on(grid: _Grid, sample: float) -> bool:
     return bool(np.float32(grid.base + grid.step * value) == np.float32(sample))
 
 
-def _with_table(channel: _Integers | _Floats, grid: _Grid | None, max_error: float, pixels: int) -> _Grid | None:
-    """One on which values stand for samples that occur, none off by more, where that pays for so many pixels."""
+def _with_table(channel: _Integers | _Floats, grid: _Grid | None, max_error: float) -> _Grid | None:
+    """One on which values stand for samples that occur, none off by more; None where they are not fewer than steps."""
     samples, grid = channel.distinct(), grid or channel.exact_grid()
     if samples is None or len(samples) < 2:
         return None
     table = _thinned(samples, max_error)
-    saved = np.log2((grid.most + 1) / (2 * grid.max_error + 1) / len(table))
-    if saved <= 0:
+    if len(table) * (2 * grid.max_error + 1) > grid.most:
         return None
     found = replace(grid, max_error=0, table=table.astype(np.float32))
     if not grid.is_whole:
@@ -295,7 +332,7 @@ def _with_table(channel: _Integers | _Floats, grid: _Grid | None, max_error: flo
         found = replace(
             found, base=float(table[0]), step=float(table[-1] - table[0]) / most or 1.0, most=len(table) - 1
         )
-    return found if 8 * len(found.encode()) < _GAINED * saved * pixels else None
+    return found
 
 
 def _thinned(samples: NDArray[np.float64], max_error: float) -> NDArray[np.float64]:
