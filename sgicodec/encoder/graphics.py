@@ -15,7 +15,7 @@ from sgicodec.encoder.input.graphic_windows import with_fewer_colours, without_c
 from sgicodec.encoder.input.windows import Windows
 from sgicodec.encoder.plan import Plan
 from sgicodec.encoder.residual import Layer, bits_of_blocks
-from sgicodec.encoder.residual_grids import Repeats, block_rects
+from sgicodec.encoder.residual_form import Repeats, block_rects
 from sgicodec.metadata.layouts import alpha_index
 from sgicodec.model.steps import quality_index
 from sgicodec.model.tile_grid import Rect

@@ -20,7 +20,7 @@ from sgicodec.decoder.stream import Stream
 from sgicodec.device import Device
 from sgicodec.encoder.graphic_cells import Cells, cells_in, cells_shape, stacked_cells
 from sgicodec.encoder.input.windows import Windows
-from sgicodec.encoder.residual_grids import alpha_form, block_rects, coded_bits, residual_form
+from sgicodec.encoder.residual_form import alpha_form, block_rects, coded_bits, residual_form
 from sgicodec.errors import PictureError
 from sgicodec.model.tile_grid import Rect
 

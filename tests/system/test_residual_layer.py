@@ -29,7 +29,7 @@ from sgicodec.decoder.stream import open_stream
 from sgicodec.device import Device
 from sgicodec.encoder.input.windows import windows_of
 from sgicodec.encoder.residual import Layer, residual_layer
-from sgicodec.encoder.residual_grids import alpha_form, residual_form
+from sgicodec.encoder.residual_form import alpha_form, residual_form
 from sgicodec.errors import CorruptStreamError, PictureError, StreamError, UsageError
 
 QUICK = EncodeSettings(steps=20, quality=40, tune="psnr")
