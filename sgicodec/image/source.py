@@ -89,6 +89,9 @@ class Source:
         """What of the page, and of what the file says, does not come as it is."""
         opened = self._opened
         notes = [*getattr(opened.image, "notes", ())]
+        if opened.native not in (self.dtype, np.float16):
+            rounded = "" if np.can_cast(opened.native, self.dtype) else ", rounded to 24 bits"
+            notes.append(f"samples of {opened.native} become 32-bit floats{rounded}")
         if bits := stretched_bits(opened.spec):
             notes.append(f"samples v of its {bits} bits become 16 bits, v · 65535 / {(1 << bits) - 1} rounded down")
         if opened.left_behind:
