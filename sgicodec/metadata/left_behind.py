@@ -11,8 +11,8 @@ from sgicodec.metadata.filebytes import Bytes
 __all__ = ["left_behind"]
 
 _IPTC, _INKS, _TEXTS, _COLOURS = "IPTC", "inks (RGB instead)", "texts", "colour space"
-_SRGB, _UNKNOWN = (1, 13), (2, 2)
-"""Colour primaries and transfer function by their numbers (ITU-T H.273)."""
+_SRGB, _UNKNOWN = (1, 13), 2
+"""Colour primaries and transfer function by their numbers (ITU-T H.273), and the number of either that says nothing."""
 _SRGB_GAMMA, _SRGB_PLACES = 45455, (31270, 32900, 64000, 33000, 30000, 60000, 15000, 6000)
 _NEAR = 100
 """In 100,000ths, of what PNG states of sRGB."""
@@ -35,7 +35,8 @@ def left_behind(data: Bytes) -> list[str]:
         elif data[:3] == jpeg.SIGNATURE:
             found = _of_jpeg(data)
         elif avif.is_avif(data):
-            found = [f"{_COLOURS} (nclx)"] if avif.still(data).colours not in (None, _SRGB, _UNKNOWN) else []
+            colours = avif.still(data).colours
+            found = [f"{_COLOURS} (nclx)"] if colours and _are_foreign(colours) else []
         else:
             found = _of_tiff(data)
     except (struct.error, PictureError):
@@ -47,7 +48,7 @@ def _of_png(data: Bytes) -> list[str]:
     chunks = {kind: bytes(data[start : min(end, start + 79)]) for kind, start, end in png.chunks(data)}
     found = []
     if b"cICP" in chunks:
-        found += [f"{_COLOURS} (cICP)"] if tuple(chunks[b"cICP"][:2]) != _SRGB else []
+        found += [f"{_COLOURS} (cICP)"] if _are_foreign(tuple(chunks[b"cICP"][:2])) else []
     elif not chunks.keys() & {b"iCCP", b"sRGB"}:
         is_far = (_is_far(chunks.get(b"gAMA"), (_SRGB_GAMMA,)), _is_far(chunks.get(b"cHRM"), _SRGB_PLACES))
         found += [f"{_COLOURS} (gAMA, cHRM)"] if any(is_far) else []
@@ -57,6 +58,11 @@ def _of_png(data: Bytes) -> list[str]:
             if not keyword.startswith(_KEPT_TEXTS + _IDLE_TEXTS):
                 found.append(_IPTC if keyword.startswith(b"Raw profile type iptc") else _TEXTS)
     return found
+
+
+def _are_foreign(colours: tuple[int, ...]) -> bool:
+    """Whether primaries or transfer function are not those of sRGB."""
+    return any(stated not in (usual, _UNKNOWN) for stated, usual in zip(colours, _SRGB, strict=False))
 
 
 def _is_far(contents: bytes | None, usual: tuple[int, ...]) -> bool:

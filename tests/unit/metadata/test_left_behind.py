@@ -106,7 +106,7 @@ def test_colours_that_avif_numbers(tmp_path: Path) -> None:
     """Those of sRGB are what everybody takes them for."""
     data = saved("avif")
     at = data.index(b"nclx") + 4
-    for colours, names in (((1, 13), []), ((9, 16), ["colour space (nclx)"])):
+    for colours, names in (((1, 13), []), ((1, 2), []), ((9, 16), ["colour space (nclx)"])):
         (tmp_path / "a").write_bytes(data[:at] + struct.pack(">2H", *colours) + data[at + 4 :])
         with (tmp_path / "a").open("rb") as file:
             assert left_behind(FileBytes(file)) == names
