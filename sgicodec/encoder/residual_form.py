@@ -78,25 +78,27 @@ class _Survey:
 
     def form(self, stated: float, max_error: float, flags: int, has_tables: bool) -> bytes:
         """The form of a layer of which no sample is off by more; it states another greatest error."""
-        has_few, is_masked = self._palette.is_small(self._repeats.pixels), self._header.blank is not None
-        grids: list[Grid | None] = []
+        has_few = self._palette.is_small(self._repeats.pixels)
+        plain: list[Grid | None] = []
+        tables: list[Grid | None] = []
         for number, channel in enumerate(self._channels):
             most_off = max_error if self._is_float or number != self._alpha else 0
-            grid = channel.grid(most_off, self._header.blank)
-            table = with_table(channel, grid, most_off) if has_tables and not has_few else None
-            if grid and not table and self._repeats.are_usual:  # a coarse grid must not hold nodata
-                grid = replace(grid, max_error=0) if is_masked else grid.coarser()
-            grids.append(table or grid)
-        if None in grids:
-            flags |= _BITS
-            grids = [
-                grid if grid and grid.table is not None else channel.exact_grid()
-                for grid, channel in zip(grids, self._channels, strict=True)
-            ]
-        found = [grid for grid in grids if grid is not None]
-        has_palette = has_few and not any(grid.max_error for grid in found)
-        head = struct.pack("<d", stated) + encode_varint(flags | has_palette * _PALETTE)
-        return head + b"".join(grid.encode() for grid in found) + (self._palette.encode(found) if has_palette else b"")
+            plain.append(channel.grid(most_off, self._header.blank))
+            tables.append(with_table(channel, plain[-1], most_off) if has_tables and not has_few else None)
+        has_bits = any(not (grid or table) for grid, table in zip(plain, tables, strict=True))
+        grids = [
+            table or (channel.exact_grid() if has_bits or grid is None else self._even(grid))
+            for channel, grid, table in zip(self._channels, plain, tables, strict=True)
+        ]
+        has_palette = has_few and not any(grid.max_error for grid in grids)
+        head = struct.pack("<d", stated) + encode_varint(flags | has_bits * _BITS | has_palette * _PALETTE)
+        return head + b"".join(grid.encode() for grid in grids) + (self._palette.encode(grids) if has_palette else b"")
+
+    def _even(self, grid: Grid) -> Grid:
+        """A grid that lets pixels that repeat others do so, where most do; a coarse one must not hold nodata."""
+        if not self._repeats.are_usual:
+            return grid
+        return grid.coarser() if self._header.blank is None else replace(grid, max_error=0)
 
     def bits(self, form: bytes) -> float:
         """What a layer of this form takes, by the part of the picture that was kept."""

@@ -77,8 +77,6 @@ class Opened:
     page: PageChoice = ONLY
     rounding: float = 0.0
     """By how much a sample that was read is off at most from what the file holds."""
-    left_behind: tuple[str, ...] = ()
-    """What the file says that is not kept."""
 
     @property
     def orientation(self) -> int:
@@ -105,6 +103,14 @@ class Opened:
     def nodata(self) -> float | None:
         """The sample value that stands for "nothing was measured here", or None."""
         return geo.nodata(self.metadata.geo, self.header.dtype)
+
+    def left_behind(self) -> list[str]:
+        """What the page says that is not kept; read for that."""
+        if isinstance(self.image, SlideReader | ZarrReader):
+            return []
+        with self.path.open("rb") as file:
+            directory = self.page.directory
+            return left_behind(PageBytes(file, directory) if directory and directory.number else FileBytes(file))
 
     def reopen(self) -> None:
         """Close the file and open it again: OpenImageIO then stands at the first row again."""
@@ -174,15 +180,14 @@ def open_picture(path: Path, *, any_size: bool = False, alpha: Alpha = "auto", p
         data = FileBytes(file)
         other = _check(data)
         if other is not None:
-            opened = _sniffed_picture(path, other, embedded.extract(data), alpha, page)
-            return replace(opened, left_behind=tuple(left_behind(data)))
+            return _sniffed_picture(path, other, embedded.extract(data), alpha, page)
         with no_size_limit() if any_size and ifd.layout(data) is not None else nullcontext():
             image = open_image(path, page=page)
         chosen = _chosen(path, data, image, page)
         if chosen.directory is not None and chosen.directory.number:
             data = PageBytes(file, chosen.directory)
             _refuse(ifd.damage(data))
-        found, left = embedded.extract(data), left_behind(data)
+        found = embedded.extract(data)
         declared = declared_channels(data, image.format_name())
         if declared.second or chosen.left_out:
             image = open_image(path, second=True, page=page)
@@ -197,7 +202,7 @@ def open_picture(path: Path, *, any_size: bool = False, alpha: Alpha = "auto", p
     metadata = replace(found, icc=_icc(spec, probe.channels), geo=georeference)
     has_alpha = declared.last == "alpha" and alpha_index(header(spec, kind).channels) is not None
     associated = has_alpha and alpha != "band" and is_associated(spec, kind)
-    return Opened(path, image, spec, kind, probe, metadata, declared, associated, chosen, left_behind=tuple(left))
+    return Opened(path, image, spec, kind, probe, metadata, declared, associated, chosen)
 
 
 def _chosen(path: Path, data: FileBytes, image: ImageInput | DecodedPicture, page: int | None) -> PageChoice:

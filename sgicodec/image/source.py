@@ -94,8 +94,8 @@ class Source:
             notes.append(f"samples of {opened.native} become 32-bit floats{rounded}")
         if bits := stretched_bits(opened.spec):
             notes.append(f"samples v of its {bits} bits become 16 bits, v · 65535 / {(1 << bits) - 1} rounded down")
-        if opened.left_behind:
-            notes.append(f"not kept: {', '.join(opened.left_behind)}")
+        if left := opened.left_behind():
+            notes.append(f"not kept: {', '.join(left)}")
         return tuple(notes)
 
     @property

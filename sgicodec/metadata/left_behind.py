@@ -16,6 +16,7 @@ _SRGB, _UNKNOWN = (1, 13), 2
 _SRGB_GAMMA, _SRGB_PLACES = 45455, (31270, 32900, 64000, 33000, 30000, 60000, 15000, 6000)
 _NEAR = 100
 """In 100,000ths, of what PNG states of sRGB."""
+_OF_COLOURS = (b"cICP", b"iCCP", b"sRGB", b"gAMA", b"cHRM")
 _KEPT_TEXTS = (b"XML:com.adobe.xmp", b"Raw profile type exif", b"Raw profile type APP1", b"Raw profile type xmp")
 _IDLE_TEXTS = (b"Software", b"date:", b"Creation Time", b"Raw profile type icc")
 """Beginnings of keywords that say nothing of the picture itself."""
@@ -45,19 +46,21 @@ def left_behind(data: Bytes) -> list[str]:
 
 
 def _of_png(data: Bytes) -> list[str]:
-    chunks = {kind: bytes(data[start : min(end, start + 79)]) for kind, start, end in png.chunks(data)}
-    found = []
-    if b"cICP" in chunks:
-        found += [f"{_COLOURS} (cICP)"] if _are_foreign(tuple(chunks[b"cICP"][:2])) else []
-    elif not chunks.keys() & {b"iCCP", b"sRGB"}:
-        is_far = (_is_far(chunks.get(b"gAMA"), (_SRGB_GAMMA,)), _is_far(chunks.get(b"cHRM"), _SRGB_PLACES))
-        found += [f"{_COLOURS} (gAMA, cHRM)"] if any(is_far) else []
+    stated: dict[bytes, bytes] = {}
+    texts = []
     for kind, start, end in png.chunks(data):
-        if kind in (b"tEXt", b"zTXt", b"iTXt"):
+        if kind in _OF_COLOURS:
+            stated[kind] = bytes(data[start : min(end, start + 32)])
+        elif kind in (b"tEXt", b"zTXt", b"iTXt"):
             keyword = bytes(data[start : min(end, start + 79)])
             if not keyword.startswith(_KEPT_TEXTS + _IDLE_TEXTS):
-                found.append(_IPTC if keyword.startswith(b"Raw profile type iptc") else _TEXTS)
-    return found
+                texts.append(_IPTC if keyword.startswith(b"Raw profile type iptc") else _TEXTS)
+    if b"cICP" in stated:
+        return [f"{_COLOURS} (cICP)", *texts] if _are_foreign(tuple(stated[b"cICP"][:2])) else texts
+    if stated.keys() & {b"iCCP", b"sRGB"}:
+        return texts
+    is_far = _is_far(stated.get(b"gAMA"), (_SRGB_GAMMA,)) or _is_far(stated.get(b"cHRM"), _SRGB_PLACES)
+    return [f"{_COLOURS} (gAMA, cHRM)", *texts] if is_far else texts
 
 
 def _are_foreign(colours: tuple[int, ...]) -> bool:

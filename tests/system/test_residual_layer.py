@@ -21,7 +21,7 @@ from pipe import Pipe
 from surgery import join, split
 from text_pages import photo, text
 
-from sgicodec import EncodeSettings, Picture, _native, encode, encode_picture, open_source
+from sgicodec import EncodeSettings, Picture, _native, encode, encode_picture
 from sgicodec.bitstream.header import encode_header
 from sgicodec.bitstream.rewriting import rewrite_stream
 from sgicodec.bitstream.varint import encode_varint
@@ -216,25 +216,6 @@ def test_samples_of_too_many_bits(dtype: str, sample_range: tuple[float, float] 
     tifffile.imwrite(tmp_path / "b.tif", samples // 4096 * 4096)
     with open_stream(encode(tmp_path / "b.tif", max_error=0)) as stream:
         np.testing.assert_array_equal(stream.picture().pixels[..., 0], samples // 4096 * 4096)
-
-
-@pytest.mark.parametrize(
-    ("dtype", "note"),
-    [
-        ("uint8", None),
-        ("uint16", None),
-        ("float16", None),
-        ("float32", None),
-        ("int8", "samples of int8 become 32-bit floats"),
-        ("int16", "samples of int16 become 32-bit floats"),
-        ("uint32", "samples of uint32 become 32-bit floats, rounded to 24 bits"),
-        ("float64", "samples of float64 become 32-bit floats, rounded to 24 bits"),
-    ],
-)
-def test_that_types_change_is_said(dtype: str, note: str | None, tmp_path: Path) -> None:
-    tifffile.imwrite(tmp_path / "a.tif", (photo(40, 30)[..., 0] // 2).astype(dtype))
-    with open_source(tmp_path / "a.tif") as source:
-        assert list(source.notes) == ([note] if note else [])
 
 
 def test_an_array_of_too_many_bits() -> None:
