@@ -14,6 +14,7 @@ from sgicodec.rdoq.settings import RdoqSettings
 from sgicodec.rdoq.texture import NO_SPLIT_SEARCH, SPLIT_SEARCH_MARGIN
 
 __all__ = [
+    "DEFAULT_EFFORT",
     "LOW_EFFORT_STEPS",
     "PLAIN_STEPS",
     "PSNR_STEPS",
@@ -33,6 +34,7 @@ PSNR_STEPS = {1: 60, 2: 120, 3: 200, 4: 600, 5: 900, 6: 1400, 7: 2500, 8: 5000, 
 """The same towards least squared error with texture."""
 VISUAL_STEPS = {1: 60, 2: 130, 3: 200, 4: 300, 5: 450, 6: 900, 7: 1600, 8: 3200, 9: 6400}
 """The same for the eye with texture, which sees more of texture than of what more steps give to seeds."""
+DEFAULT_EFFORT = 4
 LOW_EFFORT_STEPS = 300
 """From so many on, all that RDOQ and the search of texture have is worth its time."""
 _USUAL_LMBDA, _SEED_POWER, _MIN_SEED_FACTOR = lmbda_of_quality(50), 0.6, 0.7
@@ -79,7 +81,7 @@ def effort_of(steps: int, tuned_for: Tune, is_low: bool = False) -> Effort:
     on is worth its time from there on; before, more steps gain more in the same time.
     """
     low_passes = int(steps >= _RDOQ_STEPS or tuned_for == "psnr")
-    rdoq_passes = _within(2, round(steps / 250), 32)
+    rdoq_passes = _within(2, round(steps / 250), 5)
     return Effort(
         steps=steps,
         seed_price=min(max(4.2 * float((200 / steps) ** 0.3), 2.1), 5.0),

@@ -9,7 +9,7 @@ from numbers import Integral, Real
 from typing import Any, Literal
 
 from sgicodec.bitstream.header import MAX_APRON, MAX_SIDE, MIN_TILE
-from sgicodec.encoder.effort import LOW_EFFORT_STEPS, Effort, Tune, effort_of, steps_of
+from sgicodec.encoder.effort import DEFAULT_EFFORT, LOW_EFFORT_STEPS, Effort, Tune, effort_of, steps_of
 from sgicodec.errors import UsageError
 from sgicodec.model.tile_grid import TileGrid
 from sgicodec.profiles import PROFILES, Profile
@@ -38,7 +38,7 @@ class EncodeSettings:
     """
     lmbda: float | None = None
     """λ itself: squared error, samples in 0..1, that one bit must save."""
-    effort: int = 4
+    effort: int = DEFAULT_EFFORT
     """1 to 9: steps of the fit, and what follows from them (`effort.py`), in the default profile."""
     profile: Literal["default", "paper"] = "default"
     """Which model, and how it is fitted."""

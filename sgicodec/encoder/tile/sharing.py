@@ -26,6 +26,9 @@ MIN_WEIGHT = 1 / 32
 """The least weight."""
 MIN_STEPS = 1 / 4
 """The least part of a fit's steps (docs/notes/2026-11-ladder.md, "Few steps where there are few seeds")."""
+NO_MORE_STEPS, ALL_STEPS = 0.2, 0.7
+"""Mean weights of seeds up to which more steps than usual gain nothing, and from which on all are worth their time
+(docs/notes/2026-11-ladder.md, "High efforts where seeds show the picture")."""
 CALM_BITS = 48.0
 """Bits of texture in a superblock. Where they would buy all of its detail, seeds count in full: there is nothing to
 share."""
@@ -37,15 +40,20 @@ def seed_weights(target: F32, lmbda: float) -> F32:
     return _of_pixels(np.exp2(smoothed(octaves, _BLEND)), target.shape[1:])
 
 
-def part_of_steps(layout: SeedLayout, weights: F32) -> float:
-    """Part of a fit's steps that is worth its time, MIN_STEPS to 1, for seeds that begin in this layout.
+def part_of_steps(steps: int, usual: int, layout: SeedLayout, weights: F32) -> float:
+    """Part of a fit's steps that is worth its time, for seeds that begin in this layout.
 
-    All are where there is one for each superblock of texture, each counted by the weight [H, W] in its cell's middle.
+    All are where there is a seed for each superblock of texture, each counted by the weight [H, W] in its cell's
+    middle, and fewer where there are fewer, MIN_STEPS at least. Of those beyond the usual number, fewer are where the
+    mean weight is small.
     """
     height, width = weights.shape
     x, y = (np.minimum(layout.corner[:, axis] + layout.cell / 2, side - 1) for axis, side in ((0, width), (1, height)))
     seeds = float(weights[y.astype(np.intp), x.astype(np.intp)].sum())
-    return float(min(max(seeds * (1 << 2 * ROOT_LOG) / (width * height), MIN_STEPS), 1.0))
+    part = min(max(seeds * (1 << 2 * ROOT_LOG) / (width * height), MIN_STEPS), 1.0)
+    more = (float(weights.mean()) - NO_MORE_STEPS) / (ALL_STEPS - NO_MORE_STEPS)
+    few = min(steps, usual)
+    return part * (few + min(max(more, 0.0), 1.0) * (steps - few)) / steps
 
 
 def coherence(target: F32, lmbda: float) -> F64:

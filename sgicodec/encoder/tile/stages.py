@@ -15,6 +15,7 @@ import numpy as np
 
 from sgicodec.bitstream.parts.prior import load_prior, parse_prior
 from sgicodec.bitstream.parts.tile import TileModel
+from sgicodec.encoder.effort import DEFAULT_EFFORT, steps_of
 from sgicodec.encoder.tile.least_squares import LeastSquares
 from sgicodec.encoder.tile.perceptual import Perceptual
 from sgicodec.encoder.tile.sharing import part_of_steps, seed_weights
@@ -77,7 +78,8 @@ def fit(prepared: Prepared) -> TileState:
     """Fits seeds, in fewer steps where texture will show nearly all and no number of steps was stated."""
     tile, settings, layout = prepared.tile, prepared.fit, _first_layout(prepared)
     if tile.spec.texture and tile.settings.steps is None and prepared.weights is not None:
-        settings = settings.shortened(part_of_steps(layout, prepared.weights))
+        usual = steps_of(DEFAULT_EFFORT, tile.settings.tuned_for, True)
+        settings = settings.shortened(part_of_steps(settings.steps, usual, layout, prepared.weights))
     trainer = Trainer(
         tile.spec,
         settings,

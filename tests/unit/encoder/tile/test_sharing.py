@@ -119,7 +119,16 @@ def test_few_seeds_are_worth_few_steps(weight: float, part: float) -> None:
     corner = np.array([[0, 0], [96, 32], [64, 0], [126, 62]], np.int32)
     weights = np.full((64, 128), 9.0, np.float32)
     weights[[8, 40, 8, 63], [8, 104, 72, 127]] = weight
-    assert part_of_steps(SeedLayout(corner, np.array([4, 4, 4, 1], np.int8)), weights) == pytest.approx(part)
+    layout = SeedLayout(corner, np.array([4, 4, 4, 1], np.int8))
+    assert part_of_steps(100, 300, layout, weights) == pytest.approx(part)
+
+
+@pytest.mark.parametrize(("weight", "steps"), [(0.1, 300), (0.45, 600), (0.9, 900)])
+def test_more_steps_than_usual_are_for_what_seeds_show(weight: float, steps: int) -> None:
+    """Of each superblock, 16 seeds."""
+    corner = np.stack(np.divmod(np.arange(128), 16), axis=-1).astype(np.int32) * [16, 4]
+    layout = SeedLayout(corner.astype(np.int32), np.full(128, 2, np.int8))
+    assert part_of_steps(900, 300, layout, np.full((64, 128), weight, np.float32)) * 900 == pytest.approx(steps)
 
 
 def test_a_stated_number_of_steps_stays() -> None:
