@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from OpenImageIO import ImageSpec
 
 __all__ = [
+    "ALREADY_UPRIGHT",
     "MAX_SAMPLES",
     "Probe",
     "has_own_numbers",
@@ -41,7 +42,7 @@ _ASSOCIATED = ("openexr", "tiff")
 _SECOND_IS_ALPHA = ("sgi", "targa")
 """Formats whose second of two channels is alpha although OpenImageIO does not name it so."""
 
-_ALREADY_UPRIGHT = ("jpegxl",)
+ALREADY_UPRIGHT = ("jpegxl",)
 """Formats whose library turns the pixels itself; their EXIF orientation must be ignored (ISO/IEC 18181-2
 §9.2).
 """
@@ -105,7 +106,7 @@ def _layout(spec: ImageSpec, kind: str) -> str:
 
 def orientation(spec: ImageSpec, kind: str) -> int:
     """How the stored pixels must be turned, 1 to 8."""
-    return 1 if kind in _ALREADY_UPRIGHT else int(spec.get_int_attribute("Orientation", 1))
+    return 1 if kind in ALREADY_UPRIGHT else int(spec.get_int_attribute("Orientation", 1))
 
 
 def is_associated(spec: ImageSpec, kind: str) -> bool:

@@ -17,6 +17,7 @@ from sgicodec.image.avif_reader import AvifReader
 from sgicodec.image.channels import AsIs, Channels, Last, declared_channels
 from sgicodec.image.decoded_picture import DecodedPicture, Reader
 from sgicodec.image.header import (
+    ALREADY_UPRIGHT,
     Probe,
     has_own_numbers,
     header,
@@ -25,6 +26,7 @@ from sgicodec.image.header import (
     number_as_read,
     orientation,
 )
+from sgicodec.image.header_words import not_kept
 from sgicodec.image.heif_reader import HeifReader
 from sgicodec.image.library import load_openimageio
 from sgicodec.image.narrowed import narrowed
@@ -110,7 +112,8 @@ class Opened:
             return []
         with self.path.open("rb") as file:
             directory = self.page.directory
-            return left_behind(PageBytes(file, directory) if directory and directory.number else FileBytes(file))
+            found = left_behind(PageBytes(file, directory) if directory and directory.number else FileBytes(file))
+        return [*found, *not_kept(self.spec, self.kind)] if is_openimageio(self.image) else found
 
     def reopen(self) -> None:
         """Close the file and open it again: OpenImageIO then stands at the first row again."""
@@ -198,7 +201,10 @@ def open_picture(path: Path, *, any_size: bool = False, alpha: Alpha = "auto", p
     if not has_own_numbers(spec):
         georeference = geo.resampled(georeference, lambda value: number_as_read(value, spec))
     georeference = placement.oriented(georeference, orientation(spec, kind), spec.width, spec.height)
-    found = embedded.upright(found, orientation(spec, kind), spec.width, spec.height)
+    if kind in ALREADY_UPRIGHT:
+        found = embedded.turned_already(found, spec.width, spec.height)
+    else:
+        found = embedded.upright(found, orientation(spec, kind), spec.width, spec.height)
     metadata = replace(found, icc=_icc(spec, probe.channels), geo=georeference)
     has_alpha = declared.last == "alpha" and alpha_index(header(spec, kind).channels) is not None
     associated = has_alpha and alpha != "band" and is_associated(spec, kind)

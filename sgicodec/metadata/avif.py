@@ -6,11 +6,11 @@ Boxes are those of ISO/IEC 14496-12, properties of pictures those of ISO/IEC 230
 from __future__ import annotations
 
 import struct
-from collections.abc import Iterator
 from fractions import Fraction
 from typing import NamedTuple
 
 from sgicodec.errors import PictureError
+from sgicodec.metadata.boxes import boxes
 from sgicodec.metadata.filebytes import Bytes
 from sgicodec.metadata.orientation import Window
 
@@ -71,39 +71,23 @@ def still(data: Bytes) -> Still:
 
 
 def _still(data: Bytes) -> Still:
-    found = next((span for kind, span in _boxes(data, slice(0, len(data))) if kind == b"meta"), None)
+    found = next((span for kind, span in boxes(data, slice(0, len(data))) if kind == b"meta"), None)
     if found is None or found.stop - found.start > _MAX_META:
         raise PictureError("the file is damaged or cut off: it says nothing of a picture")
     meta = bytes(data[found])
-    parts = dict(_boxes(meta, slice(4, len(meta))))
+    parts = dict(boxes(meta, slice(4, len(meta))))
     if b"pitm" not in parts or b"iprp" not in parts:
         raise PictureError("it holds no single picture")
-    boxes = dict(_boxes(meta, parts[b"iprp"]))
-    listed = [(kind, meta[span]) for kind, span in _boxes(meta, boxes[b"ipco"])] if b"ipco" in boxes else []
+    inner = dict(boxes(meta, parts[b"iprp"]))
+    listed = [(kind, meta[span]) for kind, span in boxes(meta, inner[b"ipco"])] if b"ipco" in inner else []
     primary = _primary(meta[parts[b"pitm"]])
-    own = [listed[index - 1] for index in _properties(meta[boxes.get(b"ipma", slice(0))], primary) if index]
+    own = [listed[index - 1] for index in _properties(meta[inner.get(b"ipma", slice(0))], primary) if index]
     sizes = [struct.unpack_from(">II", value, 4) for kind, value in own if kind == b"ispe"]
     width, height = sizes[0]
     bits, is_gray = _samples(own, listed)
     stated = {value[:4]: value[4:] for kind, value in own if kind == b"colr"}
     colours = struct.unpack_from(">HH", stated[b"nclx"]) if set(stated) == {b"nclx"} else None
     return Still(width, height, bits, is_gray, *_transforms(own, width, height), colours)
-
-
-def _boxes(data: Bytes, within: slice) -> Iterator[tuple[bytes, slice]]:
-    """Kind and contents of each box. Raises struct.error for one that ends outside."""
-    at = within.start
-    while at < within.stop:
-        length, kind = struct.unpack(">I4s", data[at : at + 8])
-        start = at + 8
-        if length == 1:
-            (length,) = struct.unpack(">Q", data[start : start + 8])
-            start += 8
-        end = at + length if length else within.stop
-        if not start <= end <= within.stop:
-            raise struct.error("a box ends outside of its own")
-        yield kind, slice(start, end)
-        at = end
 
 
 def _primary(pitm: bytes) -> int:

@@ -12,7 +12,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from sgicodec.errors import PictureError
-from sgicodec.metadata import bmp, exif, jpeg, png, tiff, webp, xmp
+from sgicodec.metadata import bmp, exif, jpeg, jxl, png, tiff, webp, xmp
 from sgicodec.metadata.blobs import Metadata
 from sgicodec.metadata.filebytes import Bytes, FileBytes
 from sgicodec.metadata.motion import Motion
@@ -35,6 +35,8 @@ def extract(data: Bytes) -> Metadata:
         blob, xmp, geo = png.find(data)
     elif webp.is_webp(data):
         blob, xmp, geo = *webp.find(data), None
+    elif jxl.is_boxed(data):
+        blob, xmp, geo = *jxl.find(data), None
     else:
         blob, xmp, geo = tiff.find(data)
     return Metadata(exif=blob and exif.plain(blob), xmp=xmp or None, geo=geo)

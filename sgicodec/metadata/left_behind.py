@@ -5,12 +5,13 @@ from __future__ import annotations
 import struct
 
 from sgicodec.errors import PictureError
-from sgicodec.metadata import avif, ifd, jpeg, pages, png
+from sgicodec.metadata import avif, ifd, jpeg, jxl, pages, png
 from sgicodec.metadata.filebytes import Bytes
 
 __all__ = ["left_behind"]
 
 _IPTC, _INKS, _TEXTS, _COLOURS = "IPTC", "inks (RGB instead)", "texts", "colour space"
+_PACKED = "EXIF or XMP that Brotli compressed (the extra avif reads it)"
 _SRGB, _UNKNOWN = (1, 13), 2
 """Colour primaries and transfer function by their numbers (ITU-T H.273), and the number of either that says nothing."""
 _SRGB_GAMMA, _SRGB_PLACES = 45455, (31270, 32900, 64000, 33000, 30000, 60000, 15000, 6000)
@@ -38,6 +39,8 @@ def left_behind(data: Bytes) -> list[str]:
         elif avif.is_avif(data):
             colours = avif.still(data).colours
             found = [f"{_COLOURS} (nclx)"] if colours and _are_foreign(colours) else []
+        elif jxl.is_boxed(data):
+            found = [_PACKED] if jxl.has_unread(data) else []
         else:
             found = _of_tiff(data)
     except (struct.error, PictureError):

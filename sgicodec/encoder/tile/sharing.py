@@ -50,7 +50,7 @@ def part_of_steps(steps: int, usual: int, layout: SeedLayout, weights: F32) -> f
     height, width = weights.shape
     x, y = (np.minimum(layout.corner[:, axis] + layout.cell / 2, side - 1) for axis, side in ((0, width), (1, height)))
     seeds = float(weights[y.astype(np.intp), x.astype(np.intp)].sum())
-    part = min(max(seeds * (1 << 2 * ROOT_LOG) / (width * height), MIN_STEPS), 1.0)
+    part = float(min(max(seeds * (1 << 2 * ROOT_LOG) / (width * height), MIN_STEPS), 1.0))
     more = (float(weights.mean()) - NO_MORE_STEPS) / (ALL_STEPS - NO_MORE_STEPS)
     few = min(steps, usual)
     return part * (few + min(max(more, 0.0), 1.0) * (steps - few)) / steps

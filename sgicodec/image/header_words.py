@@ -1,0 +1,51 @@
+"""What a header says that a stream does not keep, of files whose metadata OpenImageIO alone reads: EXR, DPX, FITS."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from OpenImageIO import ImageSpec
+
+__all__ = ["not_kept"]
+
+_KEPT_ELSEWHERE = {"avif", "gif", "heif", "jpeg", "jpegxl", "png", "tiff", "webp"}
+"""Formats whose bytes tell (`metadata.left_behind`)."""
+_IDLE = {
+    "compression",
+    "planarconfig",
+    "DateTime",
+    "Orientation",
+    "Software",
+    "screenWindowCenter",
+    "screenWindowWidth",
+}
+"""Attributes that say nothing of the picture itself, as do those of a format's own that OpenImageIO names."""
+_USUAL = {"PixelAspectRatio": (1.0,), "chromaticities": (0.64, 0.33, 0.3, 0.6, 0.15, 0.06, 0.3127, 0.329)}
+_PLAIN_NAMES = {"r", "g", "b", "a", "y", "red", "green", "blue", "alpha", "i", "channel"}
+_MAX_NAMES = 6
+
+
+def not_kept(spec: ImageSpec, kind: str) -> list[str]:
+    """Names of it. kind: OpenImageIO's name of the format."""
+    if kind in _KEPT_ELSEWHERE:
+        return []
+    names = [one.name for one in spec.extra_attribs if _says_something(one.name, one.value)]
+    found = names[:_MAX_NAMES]
+    if len(names) > _MAX_NAMES:
+        found.append(f"{len(names) - _MAX_NAMES} more attributes")
+    if any(name.lower().rstrip("0123456789") not in _PLAIN_NAMES for name in spec.channelnames):
+        found.append("names of channels")
+    whole = (spec.full_x, spec.full_y, spec.full_width, spec.full_height)
+    if (spec.x, spec.y, spec.width, spec.height) != whole:
+        place = f"at {spec.x - spec.full_x}, {spec.y - spec.full_y}"
+        found.append(f"its place {place} in a window of {spec.full_width}×{spec.full_height} pixels")
+    return found
+
+
+def _says_something(name: str, value: Any) -> bool:
+    if name in _IDLE or (":" in name and not name.startswith("smpte:")):
+        return False
+    return name not in _USUAL or not np.allclose(value, _USUAL[name], atol=1e-3)

@@ -1,0 +1,77 @@
+"""EXIF and XMP in boxes of JPEG XL."""
+
+from __future__ import annotations
+
+import struct
+import sys
+from pathlib import Path
+
+import imagecodecs
+import numpy as np
+import pytest
+from image_files import save
+from tags import exif_blob
+
+from sgicodec import open_source
+from sgicodec.metadata import exif
+from sgicodec.metadata.jxl import find
+
+NOT_READ = "not kept: EXIF or XMP that Brotli compressed (the extra avif reads it)"
+PIXELS = np.random.default_rng(1).integers(0, 256, (30, 40, 3)).astype(np.uint8)
+SIGNATURE = b"JXL \r\n\x87\n"
+
+
+def box(kind: bytes, contents: bytes) -> bytes:
+    return struct.pack(">I4s", 8 + len(contents), kind) + contents
+
+
+def brotli(kind: bytes, contents: bytes) -> bytes:
+    return box(b"brob", kind + imagecodecs.brotli_encode(contents))
+
+
+def boxed(path: Path, *more: bytes) -> Path:
+    """A picture of 40×30 pixels whose file has these boxes behind those that say what it is."""
+    data = save(path, PIXELS, compression="jpegxl:100").read_bytes()
+    assert data[4:12] == SIGNATURE
+    path.write_bytes(b"".join((data[:32], *more, data[32:])))
+    return path
+
+
+def test_metadata_comes_and_the_picture_is_upright_already(tmp_path: Path) -> None:
+    blob = exif_blob()
+    more = box(b"Exif", bytes(4) + blob), box(b"xml ", b"<x:xmpmeta/>"), box(b"Exif", b"second")
+    with open_source(boxed(tmp_path / "a.jxl", *more)) as source:
+        found = source.read(0, 0, source.width, source.height)
+        assert (source.width, source.height, source.notes) == (40, 30, ())
+    np.testing.assert_array_equal(found.pixels, PIXELS)
+    assert found.metadata.xmp == b"<x:xmpmeta/>"
+    assert b"Maker" in found.metadata.exif
+    assert exif.orientation(found.metadata.exif) == 1
+
+
+def test_metadata_is_decompressed(tmp_path: Path) -> None:
+    more = (brotli(b"xml ", b"<x:xmpmeta/>"), brotli(b"jumb", b"another"), brotli(b"Exif", bytes(4) + exif_blob()))
+    with open_source(boxed(tmp_path / "a.jxl", *more)) as source:
+        assert source.notes == ()
+        assert source.metadata.xmp == b"<x:xmpmeta/>"
+        assert b"Maker" in source.metadata.exif
+
+
+@pytest.mark.parametrize("contents", [b"damaged", imagecodecs.brotli_encode(bytes(1 << 25))])
+def test_what_is_damaged_or_swells_is_said(contents: bytes, tmp_path: Path) -> None:
+    with open_source(boxed(tmp_path / "a.jxl", box(b"brob", b"xml " + contents))) as source:
+        assert source.metadata.xmp is None
+        assert source.notes == (NOT_READ,)
+
+
+def test_without_the_library_it_is_said(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "imagecodecs", None)
+    with open_source(boxed(tmp_path / "a.jxl", brotli(b"Exif", bytes(4) + exif_blob()))) as source:
+        assert source.metadata.exif is None
+        assert source.notes == (NOT_READ,)
+
+
+@pytest.mark.parametrize("cut", [36, 50])
+def test_of_a_file_that_is_cut_off_what_stands_before_is_read(cut: int, tmp_path: Path) -> None:
+    whole = boxed(tmp_path / "a.jxl", box(b"xml ", b"<x/>")).read_bytes()
+    assert find(whole[:cut]) == (None, b"<x/>" if cut > 44 else None)
