@@ -34,6 +34,7 @@ HOMES = {
     "PIL": (
         "sgicodec/image/avif_reader.py",
         "sgicodec/image/jpeg2000_reader.py",
+        "sgicodec/metadata/jxl.py",
         "sgicodec/image/pillow_reader.py",
         "sgicodec/image/conversion.py",
         "sgicodec/image/slide_reader.py",
@@ -48,6 +49,7 @@ HOMES = {
     "imagecodecs": (
         "sgicodec/image/avif_reader.py",
         "sgicodec/image/jpeg2000_reader.py",
+        "sgicodec/metadata/jxl.py",
         "sgicodec/bench/",
         "benchmarks/",
     ),
