@@ -34,7 +34,7 @@ class AvifReader(DecodedPicture):
         self._path, self._index = path, (page or 1) - 1
         with path.open("rb") as file:
             self._still = avif.still(FileBytes(file))
-        self.turned = self._still.orientation
+        self.turned, self.bits = self._still.orientation, self._still.bits
         self._check_libraries()
         from PIL.AvifImagePlugin import AvifImageFile
 
@@ -50,8 +50,8 @@ class AvifReader(DecodedPicture):
 
     def _check_libraries(self) -> None:
         require("PIL", "reading it")
-        if self._still.bits > 8:
-            require("imagecodecs", f"reading its {self._still.bits} bits", "avif")
+        if self.bits > 8:
+            require("imagecodecs", f"reading its {self.bits} bits", "avif")
         from PIL import features
 
         if not features.check("avif"):
@@ -61,7 +61,7 @@ class AvifReader(DecodedPicture):
         width, height = self._still.crop[2:]
         if is_sideways(self._still.orientation):
             width, height = height, width
-        return width, height, len(self._channels()), "uint8" if self._still.bits == 8 else "uint16"
+        return width, height, len(self._channels()), "uint8" if self.bits == 8 else "uint16"
 
     def _channels(self) -> list[int]:
         """Which of R, G, B and alpha it has; of gray, R alone."""
@@ -70,7 +70,7 @@ class AvifReader(DecodedPicture):
 
     def _decoded(self) -> npt.NDArray[Any]:
         """Decoders undo a multiplication by alpha."""
-        pixels = np.asarray(self._image) if self._still.bits == 8 else self._deep()
+        pixels = np.asarray(self._image) if self.bits == 8 else self._deep()
         pixels = pixels.reshape(self._still.height, self._still.width, -1)
         if pixels.shape[2] > len(self._channels()):  # libavif makes colours of gray where there is alpha
             pixels = pixels[..., self._channels()]
@@ -80,7 +80,7 @@ class AvifReader(DecodedPicture):
     def _deep(self) -> npt.NDArray[Any]:
         import imagecodecs
 
-        return stretched(imagecodecs.avif_decode(self._path.read_bytes(), index=self._index), self._still.bits)
+        return stretched(imagecodecs.avif_decode(self._path.read_bytes(), index=self._index), self.bits)
 
     def metadata(self) -> Metadata:
         """ICC profile, EXIF and XMP. The file's own turns count (ISO/IEC 23000-22), not the orientation in these."""

@@ -58,6 +58,8 @@ class DecodedPicture(Reader):
     """How many pictures the file holds."""
     turned: int | None = None
     """The orientation that its library applied, if that is known."""
+    bits: int = 0
+    """Of stored samples, where that is known."""
 
     _pixels: npt.NDArray[Any] | None = None
 
@@ -83,6 +85,8 @@ class DecodedPicture(Reader):
         spec = oiio.ImageSpec(width, height, channels, oiio.TypeDesc(sample))
         spec.channelnames = names
         spec.alpha_channel = names.index("A") if "A" in names else -1
+        if self.bits:
+            spec.attribute("oiio:BitsPerSample", self.bits)
         return spec
 
     def read_scanlines(self, _: int, __: int, top: int, bottom: int, *___: Any) -> npt.NDArray[Any]:

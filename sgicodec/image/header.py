@@ -133,7 +133,7 @@ def has_own_numbers(spec: ImageSpec) -> bool:
 
 
 def stretched_bits(spec: ImageSpec) -> int:
-    """Bits of the samples of a TIFF, 9 to 15, that come stretched to 16; else 0."""
+    """Bits of samples, 9 to 15, that come stretched to 16; else 0."""
     bits = int(spec.get_int_attribute("oiio:BitsPerSample", 0))
     return bits if str(spec.format) == "uint16" and 8 < bits < 16 else 0
 

@@ -11,6 +11,7 @@ import numpy.typing as npt
 from sgicodec.errors import PictureError, require
 from sgicodec.image.decoded_picture import DecodedPicture, stated_metadata, stretched
 from sgicodec.image.pages import check_page
+from sgicodec.metadata.left_behind import are_foreign
 from sgicodec.picture import Metadata
 
 __all__ = ["HeifReader"]
@@ -41,21 +42,34 @@ class HeifReader(DecodedPicture):
         check_page(page, self.pages)
         self._image = file[[first, *(index for index in range(self.pages) if index != first)][(page or 1) - 1]]
         mode, _, bits = self._image.mode.partition(";")
-        self._bits = int(bits or 8)
-        if mode not in _COUNTS or not 8 <= self._bits <= 16:
+        self.bits = int(bits or 8)
+        if mode not in _COUNTS or not 8 <= self.bits <= 16:
             raise PictureError(f"its pixels are of mode {self._image.mode}, which cannot be read")
         self._channels = _COUNTS[mode]
 
     def _shape(self) -> tuple[int, int, int, str]:
-        return *self._image.size, self._channels, "uint8" if self._bits == 8 else "uint16"
+        return *self._image.size, self._channels, "uint8" if self.bits == 8 else "uint16"
 
     def _decoded(self) -> npt.NDArray[Any]:
-        return stretched(np.asarray(self._image), self._bits)
+        return stretched(np.asarray(self._image), self.bits)
 
     @property
     def associated(self) -> bool:
         """As the file declares."""
         return bool(self._image.premultiplied_alpha)
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What of the file is not kept."""
+        info: dict[str, Any] = dict(self._image.info)
+        lost = []
+        numbers = info.get("nclx_profile")
+        if numbers and "icc_profile" not in info:
+            stated = (int(numbers["color_primaries"]), int(numbers["transfer_characteristics"]))
+            lost = ["colour space (nclx)"] if are_foreign(stated) else []
+        if info.get("aux") or info.get("depth_images"):
+            lost.append("further pictures (a gain map, depth)")
+        return (f"not kept: {', '.join(lost)}",) if lost else ()
 
     def metadata(self) -> Metadata:
         """ICC profile, EXIF and XMP. The file's own turns count (ISO/IEC 23008-12), not the orientation in these."""

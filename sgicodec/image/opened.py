@@ -14,6 +14,7 @@ import numpy.typing as npt
 from sgicodec.errors import MissingExtraError, PictureError, UsageError
 from sgicodec.image.alpha import unassociate
 from sgicodec.image.avif_reader import AvifReader
+from sgicodec.image.beside import files_beside
 from sgicodec.image.channels import AsIs, Channels, Last, declared_channels
 from sgicodec.image.decoded_picture import DecodedPicture, Reader
 from sgicodec.image.header import (
@@ -113,7 +114,9 @@ class Opened:
         with self.path.open("rb") as file:
             directory = self.page.directory
             found = left_behind(PageBytes(file, directory) if directory and directory.number else FileBytes(file))
-        return [*found, *not_kept(self.spec, self.kind)] if is_openimageio(self.image) else found
+        if is_openimageio(self.image):
+            found += not_kept(self.spec, self.kind)
+        return found + [f"what {name} says" for name in files_beside(self.path)]
 
     def reopen(self) -> None:
         """Close the file and open it again: OpenImageIO then stands at the first row again."""

@@ -8,7 +8,7 @@ from sgicodec.errors import PictureError
 from sgicodec.metadata import avif, ifd, jp2, jpeg, jxl, pages, png
 from sgicodec.metadata.filebytes import Bytes
 
-__all__ = ["left_behind"]
+__all__ = ["are_foreign", "left_behind"]
 
 _IPTC, _INKS, _TEXTS, _COLOURS = "IPTC", "inks (RGB instead)", "texts", "colour space"
 _PACKED = "EXIF or XMP that Brotli compressed (the extra avif reads it)"
@@ -24,9 +24,10 @@ _IDLE_TEXTS = (b"Software", b"date:", b"Creation Time", b"Raw profile type icc")
 _IDLE_COMMENTS = (b"File written by", b"Created with", b"CREATOR:", b"LEAD Technologies", b"Lavc", b"Compressed by")
 """Beginnings of comments that name a program alone."""
 _PHOTOSHOP, _OF_IPTC, _MORE_PICTURES = b"Photoshop 3.0\0", b"8BIM\x04\x04", b"MPF\0"
-_APP2, _APP13, _COMMENT = 0xE2, 0xED, 0xFE
+_APP1, _APP2, _APP13, _COMMENT = 0xE1, 0xE2, 0xED, 0xFE
+_MOTION = (b'MotionPhoto="1"', b'MicroVideo="1"')
 _FRAMES = {*range(0xC0, 0xD0)} - {0xC4, 0xC8, 0xCC}
-_PHOTOMETRIC, _TIFF_IPTC, _TIFF_PHOTOSHOP, _SEPARATED = 262, 33723, 34377, 5
+_PHOTOMETRIC, _TIFF_IPTC, _TIFF_PHOTOSHOP, _TIFF_LAYERS, _SEPARATED = 262, 33723, 34377, 37724, 5
 
 
 def left_behind(data: Bytes) -> list[str]:
@@ -38,7 +39,7 @@ def left_behind(data: Bytes) -> list[str]:
             found = _of_jpeg(data)
         elif avif.is_avif(data):
             colours = avif.still(data).colours
-            found = [f"{_COLOURS} (nclx)"] if colours and _are_foreign(colours) else []
+            found = [f"{_COLOURS} (nclx)"] if colours and are_foreign(colours) else []
         elif jxl.is_boxed(data):
             found = [_PACKED] if jxl.has_unread(data) else []
         elif jp2.is_boxed(data):
@@ -61,15 +62,15 @@ def _of_png(data: Bytes) -> list[str]:
             if not keyword.startswith(_KEPT_TEXTS + _IDLE_TEXTS):
                 texts.append(_IPTC if keyword.startswith(b"Raw profile type iptc") else _TEXTS)
     if b"cICP" in stated:
-        return [f"{_COLOURS} (cICP)", *texts] if _are_foreign(tuple(stated[b"cICP"][:2])) else texts
+        return [f"{_COLOURS} (cICP)", *texts] if are_foreign(tuple(stated[b"cICP"][:2])) else texts
     if stated.keys() & {b"iCCP", b"sRGB"}:
         return texts
     is_far = _is_far(stated.get(b"gAMA"), (_SRGB_GAMMA,)) or _is_far(stated.get(b"cHRM"), _SRGB_PLACES)
     return [f"{_COLOURS} (gAMA, cHRM)", *texts] if is_far else texts
 
 
-def _are_foreign(colours: tuple[int, ...]) -> bool:
-    """Whether primaries or transfer function are not those of sRGB."""
+def are_foreign(colours: tuple[int, ...]) -> bool:
+    """Whether primaries or transfer function, by their numbers, are not those of sRGB."""
     return any(stated not in (usual, _UNKNOWN) for stated, usual in zip(colours, _SRGB, strict=False))
 
 
@@ -87,6 +88,8 @@ def _of_jpeg(data: Bytes) -> list[str]:
         marker, payload = data[start + 1], bytes(data[start + 4 : end])
         if marker == _APP13 and payload.startswith(_PHOTOSHOP) and _OF_IPTC in payload:
             found.append(_IPTC)
+        elif marker == _APP1 and any(word in payload for word in _MOTION):
+            found.append("a video (motion photo)")
         elif marker == _APP2 and payload.startswith(_MORE_PICTURES):
             found.append("further pictures (MPF)")
         elif marker == _COMMENT and not payload.startswith(_IDLE_COMMENTS):
@@ -97,9 +100,11 @@ def _of_jpeg(data: Bytes) -> list[str]:
 
 
 def _of_tiff(data: Bytes) -> list[str]:
-    entries = ifd.entries(data, {_PHOTOMETRIC, _TIFF_IPTC, _TIFF_PHOTOSHOP})
+    entries = ifd.entries(data, {_PHOTOMETRIC, _TIFF_IPTC, _TIFF_PHOTOSHOP, _TIFF_LAYERS})
     photometric, photoshop = entries.get(_PHOTOMETRIC), entries.get(_TIFF_PHOTOSHOP)
     found = [_INKS] if photometric is not None and photometric.short == _SEPARATED else []
     if _TIFF_IPTC in entries or (photoshop is not None and _OF_IPTC in photoshop.data):
         found.append(_IPTC)
+    if _TIFF_LAYERS in entries:
+        found.append("layers")
     return [*found, "a mask"] if pages.has_mask(data) else found

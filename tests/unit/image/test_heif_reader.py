@@ -13,6 +13,7 @@ from PIL import Image, ImageCms
 
 from sgicodec import read
 from sgicodec.errors import PictureError
+from sgicodec.image.heif_reader import HeifReader
 from sgicodec.metadata import exif
 
 PIXELS = np.random.default_rng(3).integers(0, 256, (48, 64, 3), np.uint8)
@@ -42,6 +43,30 @@ def test_ten_bits_become_sixteen() -> None:
     picture = read(saved(stored))
     assert picture.pixels.dtype == np.uint16
     np.testing.assert_array_equal(picture.pixels, deep * 65535 // 1023)
+
+
+@pytest.mark.parametrize(
+    ("numbers", "info", "notes"),
+    [
+        ((1, 13), {}, ()),
+        ((9, 16), {}, ("not kept: colour space (nclx)",)),
+        ((9, 16), {"icc_profile": b"x"}, ()),
+        (
+            (1, 13),
+            {"aux": {"urn:com:apple:photo:2020:aux:hdrgainmap": [2]}},
+            ("not kept: further pictures (a gain map, depth)",),
+        ),
+    ],
+)
+def test_what_is_not_kept_is_said(
+    numbers: tuple[int, int], info: dict[str, Any], notes: tuple[str, ...], tmp_path: Path
+) -> None:
+    path = tmp_path / "a.heic"
+    own = {"color_primaries": numbers[0], "transfer_characteristics": numbers[1], "full_range_flag": 1}
+    path.write_bytes(saved(Image.fromarray(PIXELS), save_nclx_profile=True, **own))
+    reader = HeifReader(path)
+    reader._image.info.update(info)
+    assert reader.notes == notes
 
 
 def test_turns_and_metadata() -> None:
