@@ -17,6 +17,7 @@ from sgicodec.image.avif_reader import AvifReader
 from sgicodec.image.beside import files_beside
 from sgicodec.image.channels import AsIs, Channels, Last, declared_channels
 from sgicodec.image.decoded_picture import DecodedPicture, Reader
+from sgicodec.image.gdal_place import place_by_gdal
 from sgicodec.image.header import (
     ALREADY_UPRIGHT,
     Probe,
@@ -39,7 +40,7 @@ from sgicodec.image.silence import without_libpng
 from sgicodec.image.slide_reader import SlideReader, is_slide
 from sgicodec.image.sniffed import SniffedFormat, sniffed_format
 from sgicodec.image.zarr_reader import ZarrReader, is_zarr
-from sgicodec.metadata import embedded, geo, ifd, placement, png
+from sgicodec.metadata import embedded, geo, ifd, jp2, placement, png
 from sgicodec.metadata.filebytes import FileBytes
 from sgicodec.metadata.layouts import alpha_index
 from sgicodec.metadata.left_behind import left_behind
@@ -114,6 +115,8 @@ class Opened:
         with self.path.open("rb") as file:
             directory = self.page.directory
             found = left_behind(PageBytes(file, directory) if directory and directory.number else FileBytes(file))
+            if self.metadata.geo is None and jp2.states_place(FileBytes(file)):
+                found.append("its place (GML; the extra tiff reads it)")
         if is_openimageio(self.image):
             found += not_kept(self.spec, self.kind)
         return found + [f"what {name} says" for name in files_beside(self.path)]
@@ -194,6 +197,8 @@ def open_picture(path: Path, *, any_size: bool = False, alpha: Alpha = "auto", p
             data = PageBytes(file, chosen.directory)
             _refuse(ifd.damage(data))
         found = embedded.extract(data)
+        if found.geo is None and jp2.states_place(data):
+            found = replace(found, geo=place_by_gdal(path))
         declared = declared_channels(data, image.format_name())
         if declared.second or chosen.left_out:
             image = open_image(path, second=True, page=page)

@@ -1,6 +1,6 @@
 """EXIF, XMP and `geo` in the boxes of a JPEG 2000 file (ISO/IEC 15444-1 §I.7.2), each under a UUID of its own.
 
-The place is GeoJP2's, a TIFF without pixels. GML in JPEG 2000, which states it too, is not read.
+The place is GeoJP2's, a TIFF without pixels. GML, which may state it too, is left to GDAL.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from sgicodec.metadata import tiff
 from sgicodec.metadata.boxes import boxes
 from sgicodec.metadata.filebytes import Bytes
 
-__all__ = ["find", "has_unread_place", "is_boxed"]
+__all__ = ["find", "is_boxed", "states_place"]
 
 _SIGNATURE = b"\0\0\0\x0cjP  \r\n\x87\n"
 _GEO = bytes.fromhex("b14bf8bd083d4b43a5ae8cd7d5a6ce03")
@@ -31,10 +31,9 @@ def find(data: Bytes) -> tuple[bytes | None, bytes | None, bytes | None]:
     return found.get(_EXIF), found.get(_XMP), tiff.find(found[_GEO])[2] if _GEO in found else None
 
 
-def has_unread_place(data: Bytes) -> bool:
-    """Whether GML alone states a place."""
-    found = _found(data)
-    return _GML in found and _GEO not in found
+def states_place(data: Bytes) -> bool:
+    """Whether there is GML, of any file."""
+    return is_boxed(data) and _GML in _found(data)
 
 
 def _found(data: Bytes) -> dict[bytes, bytes]:

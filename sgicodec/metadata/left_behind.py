@@ -5,7 +5,7 @@ from __future__ import annotations
 import struct
 
 from sgicodec.errors import PictureError
-from sgicodec.metadata import avif, ifd, jp2, jpeg, jxl, pages, png
+from sgicodec.metadata import avif, ifd, jpeg, jxl, pages, png
 from sgicodec.metadata.filebytes import Bytes
 
 __all__ = ["are_foreign", "left_behind"]
@@ -42,8 +42,6 @@ def left_behind(data: Bytes) -> list[str]:
             found = [f"{_COLOURS} (nclx)"] if colours and are_foreign(colours) else []
         elif jxl.is_boxed(data):
             found = [_PACKED] if jxl.has_unread(data) else []
-        elif jp2.is_boxed(data):
-            found = ["its place (GML)"] if jp2.has_unread_place(data) else []
         else:
             found = _of_tiff(data)
     except (struct.error, PictureError):

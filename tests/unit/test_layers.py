@@ -66,7 +66,7 @@ HOMES = {
     "xarray": ("sgicodec/plugins/xarray.py",),
     "zarr": ("sgicodec/plugins/zarr.py", "sgicodec/plugins/ome_zarr.py", "sgicodec/image/zarr_reader.py"),
     "numcodecs": ("sgicodec/plugins/numcodecs.py",),
-    "rasterio": ("sgicodec/image/tiff_reader.py", "sgicodec/plugins/cog.py"),
+    "rasterio": ("sgicodec/image/gdal_place.py", "sgicodec/image/tiff_reader.py", "sgicodec/plugins/cog.py"),
     "mpmath": ("tools/make_tables.py",),
 }
 

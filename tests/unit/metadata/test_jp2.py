@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import struct
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -36,7 +37,7 @@ def boxed(path: Path, *uuids: tuple[bytes, bytes]) -> Path:
     return path
 
 
-@pytest.mark.parametrize("options", [{}, {"GMLJP2": "NO"}])
+@pytest.mark.parametrize("options", [{}, {"GMLJP2": "NO"}, {"GeoJP2": "NO"}])
 def test_the_place_comes(options: dict[str, str], tmp_path: Path) -> None:
     with open_source(placed(tmp_path / "a.jp2", **options)) as source:
         assert source.notes == ()
@@ -46,9 +47,12 @@ def test_the_place_comes(options: dict[str, str], tmp_path: Path) -> None:
         np.testing.assert_array_equal(np.moveaxis(file.read(), 0, -1), PIXELS)
 
 
-def test_a_place_in_gml_alone_is_said(tmp_path: Path) -> None:
-    with open_source(placed(tmp_path / "a.jp2", GeoJP2="NO")) as source:
-        assert source.notes == ("not kept: its place (GML)",)
+def test_a_place_in_gml_alone_is_said_without_gdal(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = placed(tmp_path / "a.jp2", GeoJP2="NO")
+    monkeypatch.setitem(sys.modules, "rasterio", None)
+    with open_source(path) as source:
+        assert source.notes == ("not kept: its place (GML; the extra tiff reads it)",)
+        assert source.metadata.geo is None
 
 
 def test_exif_and_xmp_come_and_the_picture_is_turned(tmp_path: Path) -> None:
