@@ -54,10 +54,11 @@ bool copied(GDALDataset &source, const Scratch &tiff, const char *name, bool is_
             void *user) {
   CPLStringList options;
   options.SetNameValue("BIGTIFF", "IF_SAFER");
-  options.SetNameValue("TILED", "YES");
+  const GDALDataType type = source.GetRasterBand(1)->GetRasterDataType();
+  options.SetNameValue("TILED", type == GDT_Float64 ? "NO" : "YES");  // OpenImageIO reads no 64-bit floats in tiles
   // Samples of fewer bits would be stretched to all of their type.
-  const int bits = GDALGetDataTypeSizeBits(source.GetRasterBand(1)->GetRasterDataType());
-  options.SetNameValue("NBITS", std::to_string(bits).c_str());
+  if (type == GDT_Byte || type == GDT_UInt16 || type == GDT_UInt32)
+    options.SetNameValue("NBITS", std::to_string(GDALGetDataTypeSizeBits(type)).c_str());
   GDALDriver *driver = GetGDALDriverManager()->GetDriverByName("GTiff");
   if (!driver) {
     CPLError(CE_Failure, CPLE_AppDefined, "%s: GDAL has no driver GTiff, which a copy is made with", name);

@@ -32,7 +32,7 @@ from sgicodec.image.header_words import not_kept
 from sgicodec.image.heif_reader import HeifReader
 from sgicodec.image.library import load_openimageio
 from sgicodec.image.narrowed import narrowed
-from sgicodec.image.opening import by_others, complaint, is_openimageio, no_size_limit, open_image
+from sgicodec.image.opening import by_others, complaint, is_openimageio, no_size_limit, open_image, unread_floats
 from sgicodec.image.pages import ONLY, PageChoice, check_page, chosen_page
 from sgicodec.image.planes import Planes
 from sgicodec.image.raw_reader import RawReader
@@ -255,9 +255,8 @@ def _zarr_picture(path: Path, alpha: Alpha, page: int | None) -> Opened:
 
 def _probe(image: Any, spec: ImageSpec, last: Last) -> Probe:
     """The header; where its reader knows that channels are no colours, they are none."""
-    if is_openimageio(image) and str(spec.format) == "double" and (spec.tile_width or spec.height == 1):
-        what = "in tiles" if spec.tile_width else "a single row"  # of which OpenImageIO 3.2 makes garbage in silence
-        raise PictureError(f"its 64-bit floats are {what}, which cannot be read; save it as 32-bit floats")
+    if is_openimageio(image) and (reason := unread_floats(spec)) is not None:
+        raise PictureError(f"{reason}, which cannot be read; save it as 32-bit floats")
     probe = header(spec, image.format_name(), last)
     return replace(probe, channels="multi") if getattr(image, "layout", None) == "multi" else probe
 

@@ -25,7 +25,7 @@ from sgicodec.metadata.filebytes import FileBytes
 if TYPE_CHECKING:
     from OpenImageIO import ImageInput, ImageSpec
 
-__all__ = ["by_others", "complaint", "is_openimageio", "no_size_limit", "open_image"]
+__all__ = ["by_others", "complaint", "is_openimageio", "no_size_limit", "open_image", "unread_floats"]
 
 _LEFT_TO_PILLOW = ("could not find a format reader", "one, three or four components")
 """What OpenImageIO says of formats that it does not know, and of gray with alpha in JPEG 2000."""
@@ -86,13 +86,21 @@ def by_others(path: Path, data: FileBytes, image: Any, chosen: PageChoice, decla
     if chosen.directory is None:
         return image
     image.seek_subimage(chosen.subimage, 0)
-    spec, reason = oiio.ImageSpec(image.spec()), left_to_gdal(data)
+    spec = oiio.ImageSpec(image.spec())
+    reason = left_to_gdal(data) or unread_floats(spec)
     if chosen.channels:
         return _planes(path, spec, reason, chosen)
     if reason is not None:
         image = TiffReader(path, chosen.subimage, spec, reason)
     extra = extra_samples(data, spec)
     return image if extra is None else Inks(image, spec, extra)
+
+
+def unread_floats(spec: ImageSpec) -> str | None:
+    """Why OpenImageIO does not read 64-bit floats: 3.2 returns garbage for those in tiles and in a single row."""
+    if str(spec.format) != "double" or not (spec.tile_width or spec.height == 1):
+        return None
+    return f"its 64-bit floats are {'in tiles' if spec.tile_width else 'a single row'}"
 
 
 def _planes(path: Path, spec: ImageSpec, reason: str | None, chosen: PageChoice) -> Planes:

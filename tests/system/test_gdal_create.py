@@ -98,6 +98,12 @@ def test_samples_of_other_types(gdal: Run, tmp_path: Path) -> None:
     with sgicodec.open(tmp_path / "a.sgi") as stream:
         np.testing.assert_array_equal(stream.read(), field(1, "int16")[0] - 100)
     assert "become Float32" in create(gdal, source, tmp_path / "b.sgi", "-strict", fails=True)
+    wide = geotiff(tmp_path / "w.tif", field(1, "float64"))
+    said = create(gdal, wide, tmp_path / "w.sgi", "-co", "MAX_ERROR=1")
+    assert "Float64 become Float32" in said
+    assert "NBITS" not in said
+    with sgicodec.open(tmp_path / "w.sgi") as stream:
+        np.testing.assert_allclose(stream.read(), field(1, "float64")[0], atol=1)
     twelve = geotiff(tmp_path / "c.tif", 10 * field(1, "uint16"), nbits=12)
     create(gdal, twelve, tmp_path / "c.sgi", "-co", "LOSSLESS=YES")
     with sgicodec.open(tmp_path / "c.sgi") as stream:

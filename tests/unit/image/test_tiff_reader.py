@@ -132,3 +132,20 @@ def test_damage_is_refused(tmp_path: Path, capfd: pytest.CaptureFixture[str]) ->
     with pytest.raises(PictureError, match=r"x\.tif: the file is damaged or cut off: .*"):
         read(path)
     assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize("bands", [1, 3])
+def test_wide_floats_in_tiles(bands: int, tmp_path: Path) -> None:
+    pixels = samples(bands, "float64")
+    check(save(tmp_path / "a.tif", pixels, **TILES), np.moveaxis(pixels, 0, -1).astype(np.float32))
+
+
+@pytest.mark.parametrize(("shape", "what"), [((16, 16), "in tiles"), ((1, 16), "a single row")])
+def test_wide_floats_need_gdal(
+    shape: tuple[int, int], what: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    tifffile.imwrite(tmp_path / "a.tif", np.ones(shape), tile=(16, 16) if shape[0] > 1 else None)
+    assert read(tmp_path / "a.tif").pixels.shape == (*shape, 1)
+    monkeypatch.setitem(sys.modules, "rasterio", None)
+    with pytest.raises(PictureError, match=f"its 64-bit floats are {what}; reading it needs rasterio"):
+        read(tmp_path / "a.tif")
