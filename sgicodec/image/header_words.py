@@ -48,4 +48,9 @@ def not_kept(spec: ImageSpec, kind: str) -> list[str]:
 def _says_something(name: str, value: Any) -> bool:
     if name in _IDLE or (":" in name and not name.startswith("smpte:")):
         return False
-    return name not in _USUAL or not np.allclose(value, _USUAL[name], atol=1e-3)
+    try:
+        stated = np.asarray(value, np.float64).ravel()
+    except (TypeError, ValueError):
+        return True
+    usual = _USUAL.get(name, ())
+    return stated.size != len(usual) or not np.allclose(stated, usual, atol=1e-3)

@@ -1,13 +1,14 @@
-"""OpenImageIO, loaded where it can be: where memory is short, its first lines end the process."""
+"""OpenImageIO, loaded where it can be (where memory is short, its first lines end the process), and what it says."""
 
 from __future__ import annotations
 
 import sys
+from typing import Any
 
 from sgicodec.device import check_room
 from sgicodec.errors import require
 
-__all__ = ["load_openimageio"]
+__all__ = ["first_line", "load_openimageio"]
 
 _ROOM_MIB = 60
 
@@ -17,3 +18,14 @@ def load_openimageio(what: str) -> None:
     require("OpenImageIO", what)
     if "OpenImageIO" not in sys.modules:
         check_room(_ROOM_MIB, "OpenImageIO")
+
+
+def first_line(speaker: Any) -> str:
+    """The first line of the complaints that an OpenImageIO object, or the module, has gathered; they are
+    cleared.
+    """
+    try:
+        text = str(speaker.geterror())
+    except UnicodeDecodeError:
+        text = "the file is damaged"
+    return next(filter(None, map(str.strip, text.splitlines())), "")

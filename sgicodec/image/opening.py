@@ -13,7 +13,7 @@ from sgicodec.image.channels import Channels
 from sgicodec.image.decoded_picture import DecodedPicture, Reader
 from sgicodec.image.inks import Inks, extra_samples
 from sgicodec.image.jpeg2000_reader import Jpeg2000Reader
-from sgicodec.image.origin import first_line
+from sgicodec.image.library import first_line
 from sgicodec.image.pages import PageChoice
 from sgicodec.image.pillow_reader import PillowReader, is_for_pillow
 from sgicodec.image.planes import Planes

@@ -10,13 +10,13 @@ import tempfile
 from collections.abc import Iterator
 from io import BytesIO
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import BinaryIO
 
 from sgicodec.errors import PictureError, UsageError
 from sgicodec.image.zarr_reader import is_zarr
 from sgicodec.remote.url import file_name, is_url
 
-__all__ = ["Origin", "display_name", "first_line", "has_signature", "is_utf8", "naming", "on_disk"]
+__all__ = ["Origin", "display_name", "has_signature", "is_utf8", "naming", "on_disk"]
 
 Origin = str | Path | BinaryIO | bytes
 
@@ -45,17 +45,6 @@ def display_name(origin: object) -> str:
     """What to call an origin or target in a message."""
     name = origin if isinstance(origin, str | Path) else getattr(origin, "name", None)
     return os.fsencode(name).decode("utf-8", "replace") if isinstance(name, str | Path) else "the picture"
-
-
-def first_line(speaker: Any) -> str:
-    """The first line of the complaints that an OpenImageIO object, or the module, has gathered; they are
-    cleared.
-    """
-    try:
-        text = str(speaker.geterror())
-    except UnicodeDecodeError:
-        text = "the file is damaged"
-    return next(filter(None, map(str.strip, text.splitlines())), "")
 
 
 @contextlib.contextmanager

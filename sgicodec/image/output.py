@@ -15,8 +15,7 @@ from sgicodec.errors import PictureError
 from sgicodec.image.alpha import associate
 from sgicodec.image.formats import Format
 from sgicodec.image.header import Probe
-from sgicodec.image.library import load_openimageio
-from sgicodec.image.origin import first_line
+from sgicodec.image.library import first_line, load_openimageio
 from sgicodec.metadata.layouts import alpha_index
 
 if TYPE_CHECKING:

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from sgicodec.errors import PictureError, UsageError
+from sgicodec.image.library import first_line
 from sgicodec.metadata import png
 from sgicodec.metadata.ome_planes import ChannelPlanes, channel_planes
 from sgicodec.metadata.pages import Page, tiff_pages
@@ -49,7 +50,7 @@ def chosen_page(path: Path, data: Bytes, image: Any, page: int | None) -> PageCh
     if kind == "tiff":
         found = tiff_pages(data) or [Page(0, 0)]
         if len(found) > 1 and not image.seek_subimage(found[-1].number, 0):  # levels of a texture, or damage
-            image.geterror()
+            first_line(image)
             found = found[:1]
         planes = channel_planes(data, len(found))
         if planes is not None and len({found[number][2:4] for number in planes.pages[0]}) == 1:
@@ -85,7 +86,7 @@ def _counted(path: Path) -> int:
     image, count = oiio.ImageInput.open(str(path.absolute())), 1
     while image is not None and image.seek_subimage(count, 0):
         count += 1
-    oiio.geterror() if image is None else image.geterror()
+    first_line(oiio if image is None else image)  # which clears it
     return count
 
 
