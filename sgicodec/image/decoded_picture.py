@@ -94,12 +94,11 @@ class DecodedPicture(Reader):
         if self._pixels is None:
             width, height, channels, sample = self._shape()
             try:
-                pixels = self._decoded()
+                self._pixels = np.asarray(self._decoded(), sample).reshape(height, width, channels)
             except (MemoryError, PictureError):
                 raise
             except Exception as error:  # readers raise what they like
                 raise PictureError(self._damage(error)) from error
-            self._pixels = np.asarray(pixels, sample).reshape(height, width, channels)
         return self._pixels[top:bottom]
 
     @staticmethod

@@ -38,6 +38,8 @@ class HeifReader(DecodedPicture):
             file = pillow_heif.open_heif(path, convert_hdr_to_8bit=False, hdr_to_16bit=False)
         except Exception as error:
             raise PictureError(self._damage(error)) from error
+        if not len(file):
+            raise PictureError("the file is damaged or cut off: it holds no picture")
         self.pages, first = len(file), file.primary_index
         check_page(page, self.pages)
         self._image = file[[first, *(index for index in range(self.pages) if index != first)][(page or 1) - 1]]

@@ -91,3 +91,12 @@ def test_what_is_cut_off_is_refused(share: float, tmp_path: Path) -> None:
     (tmp_path / "a.heic").write_bytes(data[: int(share * len(data))])
     with pytest.raises(PictureError, match=r"a\.heic: the file is damaged or cut off: "):
         read(tmp_path / "a.heic")
+
+
+def test_damage_that_libheif_does_not_find() -> None:
+    """A size that its pixels do not have, and a primary picture that is none."""
+    whole = saved(Image.fromarray(PIXELS))
+    size = whole.index(b"ispe") + 8
+    for at, change in ((size, b"\0\0\x30\x40"), (whole.index(b"infe") + 12, b"\0\0\0\0")):
+        with pytest.raises(PictureError, match="damaged"):
+            read(whole[:at] + change + whole[at + 4 :])
