@@ -102,7 +102,7 @@ class DecodeJob:
                 raise UsageError("stdout cannot take both the picture and --json; name OUT")
             becomes: Literal["picture"] | None = None if self.named else "picture"
             check_output(target, source, self.force, by_default=self.by_default, becomes=becomes)
-            lost = lost_in(stream.metadata, extension)
+            lost = lost_in(stream.metadata, stream.nodata, extension)
             self._load_writer(target, extension)
             with self.limits.held():
                 shown, channels = self._write(stream, target, extension), stream.header.channels
@@ -174,7 +174,7 @@ class DecodeJob:
         if format_ is None and (target is None or target == STANDARD):
             header = stream.header
             is_float = bits == 32 or (bits is None and header.sample_type == "float32")
-            lost = header.channels == "multi" or lost_outside_tiff(stream.metadata.geo)
+            lost = header.channels == "multi" or lost_outside_tiff(stream.metadata.geo, stream.nodata)
             return "tif" if self.output.pyramid or is_float or lost else "png"
         suffix = "" if target is None else Path(local_name(target)).suffix.removeprefix(".")
         if format_ is None and not suffix:

@@ -15,9 +15,6 @@ __all__ = ["lost_in", "lost_outside_tiff", "place_facts", "place_lines"]
 
 def place_facts(stream: Stream) -> dict[str, Any]:
     """What `sgi info --json` says."""
-    import numpy as np
-
-    from sgicodec.metadata import geo
     from sgicodec.metadata.georeference import georeference, resolution
     from sgicodec.metadata.slides import magnification
     from sgicodec.metadata.tiff import DESCRIPTION, described
@@ -25,7 +22,7 @@ def place_facts(stream: Stream) -> dict[str, Any]:
     blob, exif = stream.metadata.geo, stream.metadata.exif
     place, scale = georeference(blob, stream.header.width, stream.header.height), resolution(blob, exif)
     description = described(exif).get(DESCRIPTION)
-    nodata = geo.nodata(blob, np.dtype(stream.header.sample_type))
+    nodata = stream.nodata
     return {
         "place": place
         and {
@@ -68,32 +65,33 @@ _TAGS = ("png", "jpg", "webp")
 """Formats besides TIFF that hold EXIF and XMP."""
 
 
-def lost_in(metadata: Metadata, extension: str) -> str:
-    """What of a picture's metadata a format does not hold, in words; empty if nothing."""
+def lost_in(metadata: Metadata, nodata: float | None, extension: str) -> str:
+    """What of a picture's metadata and nodata value a format does not hold, in words; empty if nothing."""
     if extension == "tif":
         return ""
     held = extension in _TAGS
     names = ["EXIF"] * (metadata.exif is not None and not held) + ["XMP"] * (metadata.xmp is not None and not held)
     names += ["ICC profile"] * (metadata.icc is not None and extension not in (*_TAGS, "jp2", "jxl"))
-    return _listed([*names, *_lost_places(metadata.geo, extension)])
+    return _listed([*names, *_lost_places(metadata.geo, nodata, extension)])
 
 
-def lost_outside_tiff(blob: bytes | None) -> bool:
-    """Whether formats other than TIFF lose something of a picture's place."""
-    return bool(_lost_places(blob, "png"))
+def lost_outside_tiff(blob: bytes | None, nodata: float | None) -> bool:
+    """Whether formats other than TIFF lose something of a picture's place, or its nodata value."""
+    return bool(_lost_places(blob, nodata, "png"))
 
 
 def _listed(names: list[str]) -> str:
     return ", ".join(names[:-1]) + (" and " if names[1:] else "") + names[-1] if names else ""
 
 
-def _lost_places(blob: bytes | None, extension: str) -> list[str]:
+def _lost_places(blob: bytes | None, nodata: float | None, extension: str) -> list[str]:
+    states_nodata = nodata is not None and not math.isnan(nodata)
     if blob is None:
-        return []
+        return ["nodata value"] * states_nodata
     from sgicodec.metadata import geo
     from sgicodec.metadata.density import density
 
     tags = geo.load(blob).keys()
     names = ["position"] * bool(tags & geo.PLACE) + ["projection"] * (geo.KEYS in tags)
-    names += ["nodata value"] * (geo.GDAL_NODATA in tags)
+    names += ["nodata value"] * (states_nodata or geo.GDAL_NODATA in tags)
     return names + ["resolution"] * (extension not in ("png", "jpg", "zarr") and density(blob, None) is not None)

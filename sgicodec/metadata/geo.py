@@ -14,7 +14,18 @@ from sgicodec.metadata import gdal, ifd
 if TYPE_CHECKING:
     import numpy as np
 
-__all__ = ["PLACE", "RESOLUTION", "TAGS", "has_place", "load", "nodata", "pack", "resampled", "without_statistics"]
+__all__ = [
+    "PLACE",
+    "RESOLUTION",
+    "TAGS",
+    "has_place",
+    "load",
+    "nodata",
+    "pack",
+    "resampled",
+    "with_nodata",
+    "without_statistics",
+]
 
 PIXEL_SCALE, TIEPOINTS, MATRIX, RPC = 33550, 33922, 34264, 50844
 KEYS, KEY_DOUBLES, KEY_TEXTS = 34735, 34736, 34737
@@ -99,5 +110,15 @@ def resampled(blob: bytes | None, convert: Callable[[float], float | None]) -> b
         old = nodata(blob, np.dtype(np.float64))
         new = None if old is None else convert(old)
         if new is not None:
-            entries[GDAL_NODATA] = ifd.Entry(_ASCII, f"{new:.17g}".encode("ascii") + b"\0")
+            entries[GDAL_NODATA] = _of_nodata(new)
     return pack(entries)
+
+
+def with_nodata(blob: bytes | None, value: float) -> bytes | None:
+    """The blob, which says that samples of this value stand for nothing if it does not say so of others."""
+    entries = load(blob)
+    return blob if GDAL_NODATA in entries else pack({**entries, GDAL_NODATA: _of_nodata(value)})
+
+
+def _of_nodata(value: float) -> ifd.Entry:
+    return ifd.Entry(_ASCII, f"{value:.17g}".encode("ascii") + b"\0")

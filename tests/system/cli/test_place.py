@@ -13,6 +13,7 @@ from data_files import PICTURES
 from PIL import Image
 from tags import TIED, geo_keys, geo_of, rational, shorts, text
 
+import sgicodec
 from sgicodec import read, write
 from sgicodec.metadata import geo, ifd
 from sgicodec.picture import Metadata, Picture
@@ -138,3 +139,17 @@ def test_metadata_that_a_format_does_not_hold_is_named(
     assert found.exit_code == 0
     named = f"sgi: {tmp_path / 'x'}.{extension}: .{extension} does not hold its {lost}; .tif does\n"
     assert found.stderr == ("" if lost is None else named)
+
+
+@pytest.mark.parametrize(("nodata", "is_lost"), [(7.0, True), (float("nan"), False)])
+def test_a_nodata_value_without_a_place(nodata: float, is_lost: bool, tmp_path: Path) -> None:
+    """Of an array. Not-a-number says itself what it is."""
+    pixels = np.full((24, 40), 90, np.float32)
+    pixels[:4] = nodata
+    sgicodec.imwrite(tmp_path / "x.sgi", pixels, nodata=nodata, steps=2)
+    assert f"nodata      {nodata:g}\n" in sgi("info", tmp_path / "x.sgi").stdout
+    found = sgi("decode", tmp_path / "x.sgi", tmp_path / "x.exr")
+    assert ("does not hold its nodata value" in found.stderr) == is_lost
+    assert sgi("decode", tmp_path / "x.sgi").exit_code == 0
+    with tifffile.TiffFile(tmp_path / "x.tif") as file:
+        assert float(file.pages.first.tags[42113].value) == pytest.approx(nodata, nan_ok=True)
