@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 __all__ = ["files_beside"]
@@ -20,8 +21,8 @@ def files_beside(path: Path) -> list[str]:
     names = [path.with_suffix(f".{name}") for name in own]
     names += [path.with_name(f"{path.name}{more}") for more in (".msk", ".xmp")]
     aux = path.with_name(f"{path.name}.aux.xml")
-    found = [name.name for name in names if name.is_file()]
-    return [*found, *([aux.name] if _says_more(aux) else [])]
+    found = [name for name in names if name.is_file()] + [aux] * _says_more(aux)
+    return [os.fsencode(name.name).decode("utf-8", "replace") for name in found]
 
 
 def _says_more(aux: Path) -> bool:

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import pytest
@@ -31,3 +32,9 @@ def test_files_that_say_more_are_named(name: str, contents: bytes, is_said: bool
 def test_a_name_without_an_ending_has_none_beside_it(tmp_path: Path) -> None:
     (tmp_path / "w").mkdir()
     assert files_beside(tmp_path / "a") == []
+
+
+def test_names_that_are_no_utf8_can_be_said(tmp_path: Path) -> None:
+    name = os.fsdecode(b"a\xff")
+    (tmp_path / f"{name}.tfw").write_bytes(b"10")
+    assert files_beside(tmp_path / f"{name}.tif") == ["a\ufffd.tfw"]
