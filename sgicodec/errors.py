@@ -53,15 +53,19 @@ class NoDeviceError(UsageError):
     """A GPU that was asked for and is not there, or has no driver (exit 2)."""
 
 
-def require(library: str, what: str, extra: str | None = None) -> None:
-    """Raises MissingExtraError if `what` cannot have its library, which comes with an extra or with the package."""
+def has_library(library: str) -> bool:
+    """Whether a library is installed; it is not loaded."""
     from importlib.util import find_spec  # takes long to load
 
     try:
-        found = find_spec(library) is not None
+        return find_spec(library) is not None
     except (ImportError, ValueError):  # blocked: its place in sys.modules is None
-        found = False
-    if not found:
+        return False
+
+
+def require(library: str, what: str, extra: str | None = None) -> None:
+    """Raises MissingExtraError if `what` cannot have its library, which comes with an extra or with the package."""
+    if not has_library(library):
         name = _PACKAGES.get(library, library)
         package = f"'sgicodec[{extra}]'" if extra else name
         raise MissingExtraError(f"{what} needs {name}: pip install {package}")

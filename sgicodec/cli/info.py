@@ -103,7 +103,7 @@ def _facts(stream: Stream, survey: Survey | None) -> dict[str, Any]:
 
 
 def _place_facts(stream: Stream) -> dict[str, Any]:
-    if stream.metadata.geo is None and stream.metadata.exif is None and stream.header.masked != "nodata":
+    if stream.metadata.geo is None and stream.metadata.exif is None and stream.header.blank is None:
         return _NO_PLACE
     from sgicodec.cli.place import place_facts  # loads numpy
 

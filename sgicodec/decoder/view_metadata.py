@@ -28,7 +28,7 @@ def view_metadata(stream: _Stream, header: Header, view: View) -> Metadata:
             from sgicodec.metadata.embedded import moved  # takes long to load
 
             found = moved(found, motion)
-    if found.geo is None and header.masked != "nodata":
+    if found.geo is None and header.blank is None:
         return found
     from sgicodec.metadata import geo
     from sgicodec.metadata.placement import view as geo_view  # takes long to load
@@ -36,6 +36,6 @@ def view_metadata(stream: _Stream, header: Header, view: View) -> Metadata:
     georeference = geo_view(found.geo, view.x, view.y, view.sx, view.sy)
     if header.sample_type != stream.header.sample_type:
         georeference = geo.resampled(georeference, lambda _: header.nodata)
-    if header.masked == "nodata" and header.nodata is not None:
-        georeference = geo.with_nodata(georeference, header.nodata)
+    if header.blank is not None:
+        georeference = geo.with_nodata(georeference, header.blank)
     return replace(found, geo=georeference)

@@ -39,6 +39,10 @@ class Reader(ABC):
         """That of the upright picture, as far as it is not found in the bytes of the file."""
         return Metadata()
 
+    def left_behind(self) -> list[str]:
+        """What is not kept, as far as it is not found in the bytes of the file."""
+        return []
+
     def format_name(self) -> str:
         """As `kind`."""
         return self.kind

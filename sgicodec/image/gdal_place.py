@@ -5,7 +5,7 @@ from __future__ import annotations
 import warnings
 from pathlib import Path
 
-from sgicodec.errors import MissingExtraError, require
+from sgicodec.errors import has_library
 from sgicodec.metadata import tiff
 
 __all__ = ["place_by_gdal"]
@@ -16,9 +16,7 @@ _ENVIRONMENT = {"GDAL_DISABLE_READDIR_ON_OPEN": "EMPTY_DIR", "GDAL_PAM_ENABLED":
 
 def place_by_gdal(path: Path) -> bytes | None:
     """The `geo` blob; None without rasterio, and where it finds no place."""
-    try:
-        require("rasterio", "reading its place", "tiff")
-    except MissingExtraError:
+    if not has_library("rasterio"):
         return None
     import rasterio
     from rasterio.errors import NotGeoreferencedWarning, RasterioError

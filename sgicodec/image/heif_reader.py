@@ -60,9 +60,8 @@ class HeifReader(DecodedPicture):
         """As the file declares."""
         return bool(self._image.premultiplied_alpha)
 
-    @property
-    def notes(self) -> tuple[str, ...]:
-        """What of the file is not kept."""
+    def left_behind(self) -> list[str]:
+        """Colours that it numbers, and pictures beside its own."""
         info: dict[str, Any] = dict(self._image.info)
         lost = []
         numbers = info.get("nclx_profile")
@@ -71,7 +70,7 @@ class HeifReader(DecodedPicture):
             lost = ["colour space (nclx)"] if are_foreign(stated) else []
         if info.get("aux") or info.get("depth_images"):
             lost.append("further pictures (a gain map, depth)")
-        return (f"not kept: {', '.join(lost)}",) if lost else ()
+        return lost
 
     def metadata(self) -> Metadata:
         """ICC profile, EXIF and XMP. The file's own turns count (ISO/IEC 23008-12), not the orientation in these."""

@@ -117,8 +117,7 @@ class Opened:
             found = left_behind(PageBytes(file, directory) if directory and directory.number else FileBytes(file))
             if self.metadata.geo is None and jp2.states_place(FileBytes(file)):
                 found.append("its place (GML; the extra tiff reads it)")
-        if is_openimageio(self.image):
-            found += not_kept(self.spec, self.kind)
+        found += not_kept(self.spec, self.kind) if is_openimageio(self.image) else self.image.left_behind()
         return found + [f"what {name} says" for name in files_beside(self.path)]
 
     def reopen(self) -> None:

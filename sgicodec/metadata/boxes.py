@@ -1,4 +1,4 @@
-"""The boxes of which AVIF, HEIF and JPEG XL files consist (ISO/IEC 14496-12)."""
+"""The boxes of which AVIF, JPEG XL and JPEG 2000 files consist (ISO/IEC 14496-12)."""
 
 from __future__ import annotations
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import struct
 from collections.abc import Iterator
 
-from sgicodec.errors import MissingExtraError, require
+from sgicodec.errors import has_library
 from sgicodec.metadata.boxes import boxes
 from sgicodec.metadata.filebytes import Bytes
 
@@ -50,9 +50,7 @@ def _metadata(data: Bytes) -> Iterator[tuple[bytes, bytes | None]]:
 
 
 def _unpacked(packed: bytes) -> bytes | None:
-    try:
-        require("imagecodecs", "metadata that Brotli compressed", "avif")
-    except MissingExtraError:
+    if not has_library("imagecodecs"):
         return None
     import imagecodecs
 

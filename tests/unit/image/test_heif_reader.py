@@ -11,9 +11,8 @@ import pillow_heif
 import pytest
 from PIL import Image, ImageCms
 
-from sgicodec import read
+from sgicodec import open_source, read
 from sgicodec.errors import PictureError
-from sgicodec.image.heif_reader import HeifReader
 from sgicodec.metadata import exif
 
 PIXELS = np.random.default_rng(3).integers(0, 256, (48, 64, 3), np.uint8)
@@ -64,9 +63,9 @@ def test_what_is_not_kept_is_said(
     path = tmp_path / "a.heic"
     own = {"color_primaries": numbers[0], "transfer_characteristics": numbers[1], "full_range_flag": 1}
     path.write_bytes(saved(Image.fromarray(PIXELS), save_nclx_profile=True, **own))
-    reader = HeifReader(path)
-    reader._image.info.update(info)
-    assert reader.notes == notes
+    with open_source(path) as source:
+        source._opened.image._image.info.update(info)
+        assert source.notes == notes
 
 
 def test_turns_and_metadata() -> None:
