@@ -87,6 +87,10 @@ FILE *begin_output(const char *name, int force) {
   } else {
     temporary = temporary_beside(name); /* before it is there, so that no signal leaves it */
     int number = open(temporary, O_WRONLY | O_CREAT | O_EXCL | O_BINARY, 0666);
+#ifndef _WIN32
+    struct stat old; /* who may read that may read what replaces it, and nobody else */
+    if (number >= 0 && !stat(name, &old)) fchmod(number, old.st_mode & 0777);
+#endif
     file = number < 0 ? NULL : fdopen(number, "wb");
   }
   if (!file) fail(errno == ENOENT || errno == ENOTDIR ? WRONG_USAGE : BAD_PICTURE, "%s: %s", name, strerror(errno));

@@ -8,7 +8,7 @@ from numbers import Integral
 
 from sgicodec.errors import UsageError
 
-__all__ = ["ALL_CORES", "ONE_THREAD", "PROCESSOR", "Device", "check_device", "check_room", "room_left"]
+__all__ = ["ALL_CORES", "ONE_THREAD", "PROCESSOR", "Device", "check_device", "check_room", "own_cores", "room_left"]
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,7 @@ class Device:
     @property
     def cores(self) -> int:
         """How many threads that is."""
-        return self.threads or os.cpu_count() or 1
+        return self.threads or own_cores()
 
     def found(self) -> Device:
         """As `NamedDevice`: itself."""
@@ -60,6 +60,14 @@ class Device:
     def with_threads(self, threads: int) -> Device:
         """The same with another number of threads."""
         return replace(self, threads=threads)
+
+
+def own_cores() -> int:
+    """Cores that this process may use: all of the machine's, or those that it is bound to."""
+    try:
+        return len(os.sched_getaffinity(0))
+    except (AttributeError, OSError):  # not Linux
+        return os.cpu_count() or 1
 
 
 def check_device(device: object) -> None:

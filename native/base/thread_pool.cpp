@@ -14,6 +14,9 @@
 #ifdef SGI_X86
 #include <immintrin.h>
 #endif
+#ifdef __linux__
+#include <sched.h>
+#endif
 
 namespace sgi {
 namespace {
@@ -130,6 +133,10 @@ int resolve_threads(int threads) {
   return 1;
 #else
   if (threads > 0) return threads;
+#ifdef __linux__
+  cpu_set_t own;
+  if (sched_getaffinity(0, sizeof own, &own) == 0) return CPU_COUNT(&own);
+#endif
   return std::max(1u, std::thread::hardware_concurrency());
 #endif
 }

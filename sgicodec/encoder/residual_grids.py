@@ -118,6 +118,8 @@ class Floats:
 
     def grid(self, max_error: float, blank: float | None) -> Grid | None:
         """One from which no sample is off by more, and on which `blank` is not; None if there is no such."""
+        if self._ranks is not None and not self._ranks.size:
+            return self.exact_grid()
         rounded = float(np.spacing(np.float32(max(abs(self.low), abs(self.high)))))
         free, scale = 2 * (max_error - rounded), self._scale()
         if scale is not None and max_error >= rounded:

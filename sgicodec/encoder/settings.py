@@ -25,7 +25,14 @@ APRON = 4
 """Pixels that a tile reaches over its neighbours, where nothing else is asked for: 8 take 0.5 to 1 % more bytes of
 large pictures, 0 show seams (docs/notes/2026-11-large-pictures.md, "Half the overlap")."""
 
-_NUMBERS: dict[str, type] = {"int": Integral, "float": Real}
+_KINDS: dict[str, tuple[type, str]] = {
+    "int": (Integral, "an integer"),
+    "float": (Real, "a number"),
+    "bytes": (bytes, "the bytes of a file"),
+    "Tune": (str, "a name"),
+    "Literal": (str, "a name"),
+}
+"""What settings are, by their annotations, and how a message says so."""
 
 
 @dataclass(frozen=True)
@@ -182,11 +189,11 @@ class EncodeSettings:
 
     def __post_init__(self) -> None:
         for name, kind in self.__annotations__.items():
-            value, needed = getattr(self, name), _NUMBERS.get(kind.removesuffix(" | None"))
+            value, needed = getattr(self, name), _KINDS.get(kind.removesuffix(" | None").partition("[")[0])
             if needed is None or (value is None and kind.endswith("None")):
                 continue
-            if isinstance(value, bool) or not isinstance(value, needed):
-                raise UsageError(f"{name} {value!r}; it must be {'a number' if needed is Real else 'an integer'}")
+            if isinstance(value, bool) or not isinstance(value, needed[0]):
+                raise UsageError(f"{name} {value!r}; it must be {needed[1]}")
         for sound, message in self._ranges():
             if not sound:
                 raise UsageError(message)
@@ -208,6 +215,7 @@ class EncodeSettings:
             (self.seeds is None or self.seeds >= 1, f"seeds {self.seeds}; at least 1"),
             (self.steps is None or self.steps >= 1, f"steps {self.steps}; at least 1"),
             (self.levels is None or 1 <= self.levels <= 4, f"levels {self.levels}; 1 to 4"),
+            (self.seed >= 0, f"seed {self.seed}; it must not be negative"),
             *(
                 (value is None or target.is_sound(value), f"{name} {value}; {target.rule}")
                 for name, target in TARGETS.items()
@@ -231,6 +239,8 @@ class EncodeSettings:
         """Raises UsageError for settings that exclude each other, or that the profile does not have."""
         targets = [name for name in TARGETS if getattr(self, name) is not None]
         refuse_several_goals([*targets, *(["lmbda"] if self.lmbda is not None else [])])
+        if targets and self.max_error is not None:
+            raise UsageError(f"{targets[0]} and max-error exclude each other: a residual layer takes what it takes")
         if self.tune == "visual" and not self.chosen_profile.has_tunings:
             raise UsageError(f"the {self.profile} profile is not tuned for the eye")
         if targets and not self.chosen_profile.has_targets:

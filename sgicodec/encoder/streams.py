@@ -34,8 +34,8 @@ from sgicodec.rate_control.target import Measured, RateTarget
 __all__ = ["Finished", "Request", "Streams"]
 
 _SEED_QUALITIES = 4
-"""Steps of quality between those at which seeds are fitted on the way to a target. Half an octave of λ beside that of
-texture costs nothing: two octaves cost 0.1 dB (docs/notes/2026-11-texture.md)."""
+"""Steps of quality between those at which seeds beneath texture are fitted on the way to a target. Half an octave of λ
+beside that of texture costs nothing: two octaves cost 0.1 dB (docs/notes/2026-11-texture.md)."""
 
 
 @dataclass(frozen=True)
@@ -55,11 +55,13 @@ class Request:
 
     def at_quality(self, quality: float, **changes: Any) -> Plan:
         """The plan at a quality, also one beyond those that have a name, without its target, of which the stream tells
-        nevertheless. Seeds are those of a round number: sizes follow the texture, which moves less by chance.
+        nevertheless. Seeds beneath texture are those of a round number: sizes follow the texture, which moves less by
+        chance.
         """
-        seeds = _SEED_QUALITIES * round(quality / _SEED_QUALITIES)
+        asked = self.plan.settings
+        seeds = _SEED_QUALITIES * round(quality / _SEED_QUALITIES) if asked.texture else quality
         named: dict[str, float] = {"quality": seeds} if 1 <= seeds <= 100 else {"lmbda": lmbda_of_quality(seeds)}
-        settings = self.plan.settings.without_target(**named, tune=self.plan.settings.tuned_for, **changes)
+        settings = asked.without_target(**named, tune=asked.tuned_for, **changes)
         plan = stream_plan(self.windows.shape, settings)
         return replace(plan, software=self.plan.software, texture_lmbda=lmbda_of_quality(quality))
 

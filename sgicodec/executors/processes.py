@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import contextlib
 import math
-import os
 import signal
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
-from sgicodec.device import Device
+from sgicodec.device import Device, own_cores
 from sgicodec.errors import UsageError
 from sgicodec.executors.available import group_memory, machine_memory
 from sgicodec.executors.executor import MIB, Executor, Failure, Memory, Tries
@@ -39,7 +38,7 @@ class ProcessExecutor(Executor):
     def __init__(self, workers: int = 0, max_memory: float | None = None, peaks: Peaks | None = None) -> None:
         if not isinstance(workers, int) or workers < 0:
             raise UsageError(f"workers {workers!r}; 0 (by the number of cores) or more")
-        self.workers, self._max_memory = workers or os.cpu_count() or 1, max_memory
+        self.workers, self._max_memory = workers or own_cores(), max_memory
         self.peaks = peaks or Peaks()
 
     def within(self, memory: Memory, jobs: int) -> Executor:
@@ -91,7 +90,13 @@ class _Pool(Generic[Job, Result]):
         from multiprocessing import get_context
 
         self._task, self._context = task, get_context("spawn")
-        self._peaks, self._workers = peaks, [self._start() for _ in range(workers)]
+        self._peaks, self._workers = peaks, list[_Worker]()
+        try:
+            while len(self._workers) < workers:
+                self._workers.append(self._start())
+        except BaseException:
+            self.close()
+            raise
 
     def _start(self) -> _Worker:
         here, there = self._context.Pipe()

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import contextlib
 import os
+import shutil
 from collections.abc import Iterator
 from pathlib import Path
 from typing import BinaryIO
 
 from sgicodec.files.scratch import scratch_folder
 
-__all__ = ["whole_file", "write_whole"]
+__all__ = ["put_in_place", "whole_file", "write_whole"]
 
 
 def write_whole(path: Path, data: bytes) -> None:
@@ -38,4 +39,11 @@ def whole_file(path: Path) -> Iterator[BinaryIO]:
             yield file
             file.flush()
             os.fsync(file.fileno())
-        os.replace(unfinished, path)
+        put_in_place(unfinished, path)
+
+
+def put_in_place(finished: Path, path: Path) -> None:
+    """Renames a file; who may read that which it replaces may read it, and nobody else. Raises OSError."""
+    with contextlib.suppress(FileNotFoundError):
+        shutil.copymode(path, finished)
+    os.replace(finished, path)

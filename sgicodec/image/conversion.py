@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 import os
 from dataclasses import replace
+from itertools import chain
+from numbers import Real
 from pathlib import Path
 from typing import Any
 
@@ -69,6 +71,8 @@ def array_picture(
     nodata: float | None = None,
 ) -> Picture:
     """The picture of samples [H, W] or [H, W, C]: uint8, uint16 or floats, which are kept as float32."""
+    if nodata is not None and (isinstance(nodata, bool) or not isinstance(nodata, Real)):
+        raise UsageError(f"nodata {nodata!r}; it must be a number")
     if isinstance(array, np.ma.MaskedArray):
         array, nodata = _unmasked(array, nodata)
     pixels = np.asarray(array)
@@ -77,7 +81,7 @@ def array_picture(
         pixels = pixels[..., None]
     if pixels.ndim != 3:
         raise UsageError(f"an array of shape {pixels.shape}; a picture is [H, W] or [H, W, C]")
-    rounding = 0.0
+    rounding, stored = 0.0, pixels.dtype
     if pixels.dtype in (np.float16, np.float64):
         pixels, rounding = narrowed(pixels, nodata)
         if math.isinf(rounding):
@@ -85,7 +89,10 @@ def array_picture(
     if pixels.dtype not in (np.uint8, np.uint16, np.float32):
         raise UsageError(f"an array of {pixels.dtype}; convert it to uint8, uint16 or float32 first")
     if nodata is not None and pixels.dtype.kind == "f":
-        nodata = float(np.float32(nodata))
+        if math.isfinite(nodata) and abs(nodata) > np.finfo(stored).max:
+            raise UsageError(f"nodata {nodata:g}, which no sample of {stored} can have")
+        with np.errstate(over="ignore"):  # an infinity then, as are its samples
+            nodata = float(np.float32(nodata))
     elif nodata is not None and not (0 <= nodata <= np.iinfo(pixels.dtype).max and nodata % 1 == 0):
         raise UsageError(f"nodata {nodata:g}, which no sample of {pixels.dtype} can have")
     layout = channels or _LAYOUT_OF_COUNT.get(pixels.shape[2], "multi")
@@ -117,7 +124,7 @@ def _unmasked(array: np.ma.MaskedArray[Any, Any], nodata: float | None) -> tuple
     elif nodata is None:
         limits = np.iinfo(samples.dtype)
         taken = set(np.unique(samples[~mask]).tolist())
-        for value in (int(array.fill_value), 0, int(limits.max), *range(int(limits.max))):
+        for value in chain((int(array.fill_value), 0, int(limits.max)), range(int(limits.max))):
             if limits.min <= value <= limits.max and value not in taken:
                 nodata = float(value)
                 break

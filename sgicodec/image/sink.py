@@ -14,6 +14,7 @@ import numpy.typing as npt
 
 from sgicodec.errors import PictureError, UsageError
 from sgicodec.files.scratch import scratch_folder
+from sgicodec.files.whole import put_in_place
 from sgicodec.image import formats
 from sgicodec.image.header import MAX_SAMPLES, Probe
 from sgicodec.image.origin import is_utf8, naming
@@ -125,7 +126,7 @@ class Sink:
         with self._part.open("rb") as file:
             if path is not None:
                 os.fsync(file.fileno())
-                os.replace(self._part, path)
+                put_in_place(self._part, path)
             elif isinstance(self._target, str | Path):
                 with Path(self._target).open("wb") as device:
                     shutil.copyfileobj(file, device)

@@ -19,7 +19,8 @@ MAX_DRAFTS, MAX_STREAMS = 3, 8
 NEAR, MAX_MOVE = 3.0, 48.0
 """Steps of quality between two drafts below which no other is worth its time, and the most from one stream to the next
 while the target lies beyond all."""
-RESOLUTION = 0.05
+RESOLUTIONS = 0.05, 0.01
+"""Qualities that are tried are multiples of these: of the second where that of the first was tried already."""
 MIN_SLOPE, MAX_SLOPE = 1 / 24, 1 / 3
 """Octaves of λ that a step of quality is taken for."""
 
@@ -67,8 +68,8 @@ def _next_quality(errors: dict[float, float], slope: float) -> float:
         stays = (finer if last == coarser else coarser) if (errors[last] > 0) == (errors[older] > 0) else None
         below, above = (errors[at] * (0.5 if at == stays else 1.0) for at in (coarser, finer))
         quality = coarser + below / (below - above) * (finer - coarser)
-    quality = RESOLUTION * round(quality / RESOLUTION)
-    return min(max(quality, MIN_QUALITY), MAX_QUALITY)
+    choices = [min(max(step * round(quality / step), MIN_QUALITY), MAX_QUALITY) for step in RESOLUTIONS]
+    return next((choice for choice in choices if choice not in errors), choices[-1])
 
 
 def _slope(errors: dict[float, float]) -> float:

@@ -176,7 +176,7 @@ TARGETS = {
     ),
     "ssimulacra2": Target(
         "score",
-        is_sound=lambda value: value < 100,
+        is_sound=lambda value: -math.inf < value < 100,
         rule="it must be below 100",
         metavar="SCORE",
         noun="a SSIMULACRA 2 score",

@@ -120,7 +120,9 @@ class _Service:
     async def file(self, request: Request) -> Response:
         name = request.path_params["name"]
         if name.endswith("/") or not name:
-            listing = self._catalog.listing(name.removesuffix("/"))
+            listing = await self._workers.run(
+                lambda: self._catalog.listing(name.removesuffix("/")), request.is_disconnected
+            )
             has_viewer = self._settings.viewer is not None
             return HTMLResponse(listing_page(name.removesuffix("/"), listing, _root(request), has_viewer))
         path = self._catalog.find(name)

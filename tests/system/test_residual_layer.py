@@ -125,6 +125,16 @@ def test_floats_within_any_error() -> None:
     assert sizes[0] >= sizes[1] > sizes[2] > sizes[3] > sizes[4]
 
 
+def test_floats_of_which_none_was_measured() -> None:
+    """A band that is all nodata, beside one that is not."""
+    pixels = np.stack([np.arange(64.0).reshape(8, 8) / 3, np.zeros((8, 8))], axis=2).astype(np.float32)
+    data = encode(pixels, channels="multi", nodata=0.0, max_error=1.0, effort=1)
+    with open_stream(data) as stream:
+        off = np.abs(stream.picture().pixels.astype(float) - pixels)
+    assert off.max() <= 1
+    assert off[pixels == 0].max() == 0
+
+
 @pytest.mark.parametrize("factor", [257.0, 25.7])
 def test_values_that_do_not_occur_take_nothing(factor: float) -> None:
     """Eight bits take the same however they are spread over sixteen or floats, but for what they are."""

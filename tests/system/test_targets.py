@@ -50,6 +50,21 @@ def test_decibels_of_a_stream_of_hundred_bytes(corner: tuple[int, int], asked: f
     assert quality(small, encoded) == pytest.approx(asked, abs=0.1)
 
 
+@pytest.mark.parametrize("target", [{"size": 3000}, {"psnr": 34.0}])
+def test_targets_without_texture(photo: Picture, target: dict[str, float]) -> None:
+    """Seeds alone come as near."""
+    encoded = encode_picture(photo, EncodeSettings(**target, texture=False, effort=1))
+    if "size" in target:
+        assert 0.97 * 3000 <= len(encoded.data) <= 3000
+    else:
+        assert quality(photo, encoded) == pytest.approx(34.0, abs=0.1)
+
+
+def test_no_target_above_a_residual_layer() -> None:
+    with pytest.raises(UsageError, match="psnr and max-error exclude each other"):
+        EncodeSettings(psnr=40.0, max_error=0)
+
+
 def test_an_impossible_size_gives_the_nearest_stream(photo: Picture) -> None:
     with pytest.raises(TargetMissedError, match="at most 90 bytes") as caught:
         encode_picture(photo, EncodeSettings(size=90, steps=60))
@@ -113,6 +128,7 @@ def test_pictures_at_the_edge(picture: Picture, target: dict[str, float]) -> Non
         ({"psnr": math.nan}, "psnr"),
         ({"psnr": math.inf}, "psnr"),
         ({"ssimulacra2": 100.0}, "ssimulacra2"),
+        ({"ssimulacra2": -math.inf}, "ssimulacra2"),
         ({"ssimulacra2": 50.0, "bpp": 1.0}, "ssimulacra2 and bpp exclude"),
         ({"tune": "loud"}, "tune loud"),
         ({"tune": "visual", "profile": "paper"}, "not tuned for the eye"),

@@ -177,8 +177,10 @@ def test_failures_are_one_line(arguments: list[object], code: int, text: str, sg
 def test_force_replaces_a_picture(sgidec: Path, tmp_path: Path) -> None:
     out = tmp_path / "a.ppm"
     out.write_bytes(b"P5")
+    out.chmod(0o600)
     done(sgidec, RGB, out, "-f")
     assert out.read_bytes().startswith(b"P6\n192 128\n255\n")
+    assert out.stat().st_mode & 0o777 == 0o600
 
 
 @pytest.mark.parametrize(("path", "start"), [(RGB, b"P6"), (FLOAT, b"Pf"), (GOLDEN_STREAMS[-1], b"P7")])

@@ -8,6 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from sgicodec import _native
+from sgicodec.device import Device
 from sgicodec.errors import PictureError, TileFailedError
 from sgicodec.executors.executor import Executor
 from sgicodec.executors.processes import ProcessExecutor
@@ -75,3 +77,13 @@ def test_the_input_is_to_blame_at_once(tmp_path: Path) -> None:
     with pytest.raises(TileFailedError, match="tile 0: no such picture"):
         list(Executor().run(partial(refuses, tmp_path), range(2), lambda number: number))
     assert (tmp_path / "tries").read_text() == "x"
+
+
+@pytest.mark.skipif(not hasattr(os, "sched_setaffinity"), reason="only Linux binds processes to cores")
+def test_cores_are_those_that_the_process_is_bound_to() -> None:
+    own = os.sched_getaffinity(0)
+    os.sched_setaffinity(0, {min(own)})
+    try:
+        assert (Device().cores, ProcessExecutor().workers, _native.resolve_threads(0)) == (1, 1, 1)
+    finally:
+        os.sched_setaffinity(0, own)

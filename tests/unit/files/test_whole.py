@@ -38,6 +38,14 @@ def test_permissions_follow_the_umask(tmp_path: Path) -> None:
     assert stat.S_IMODE((tmp_path / "a.bin").stat().st_mode) == 0o640
 
 
+def test_permissions_are_those_of_the_old_file(tmp_path: Path) -> None:
+    target = tmp_path / "a.bin"
+    target.write_bytes(b"private")
+    target.chmod(0o600)
+    write_whole(target, b"x")
+    assert stat.S_IMODE(target.stat().st_mode) == 0o600
+
+
 def test_follows_links(tmp_path: Path) -> None:
     (tmp_path / "folder").mkdir()
     link = tmp_path / "link"

@@ -89,6 +89,7 @@ def test_images_of_pillow_are_what_their_files_are() -> None:
     ("image", "options", "complaint"),
     [
         (RGB.astype(np.int64), {}, "array of int64"),
+        (np.ma.masked_less(RGB.astype(np.int64), 3), {}, "array of int64"),
         (RGB > 3, {}, "array of bool"),
         (RGB[0, 0], {}, r"\[H, W\]"),
         (np.zeros((0, 4), np.uint8), {}, "not empty"),
@@ -97,6 +98,8 @@ def test_images_of_pillow_are_what_their_files_are() -> None:
         (RGB, {"channels": ["red", "green", "blue"]}, "there are gray"),
         (RGB, {"channels": "gray"}, "3 channels cannot be"),
         (RGB.astype(np.float32), {"sample_range": 3}, "two numbers"),
+        (RGB, {"nodata": "3"}, "it must be a number"),
+        (RGB.astype(np.float32), {"nodata": 1e300}, "no sample of float32"),
         (Image.fromarray(RGB), {"channels": "rgb"}, "has a mode"),
         ("a.png", {"channels": "rgb"}, "has its own"),
         (5, {}, "int is no picture"),
