@@ -24,7 +24,12 @@ def decode(
     dtype: DTypeLike | None = None,
     device: Device = ALL_CORES,
 ) -> NDArray[Any]:
-    """The samples of a stream in memory, or of a part of it: [H, W] of gray, else [H, W, C]. See `Stream.read`."""
+    """The samples of a stream in memory, or of a part of it: [H, W] of gray, else [H, W, C].
+
+    data: bytes, or what has a buffer. region, scale, size, dtype: as of `Stream.picture`; by default all, in the
+    source's size and type. device: what decodes. Raises StreamError for a damaged stream, UsageError for arguments that
+    make no sense, RegionError for a region that is not inside the picture.
+    """
     if isinstance(data, str | os.PathLike):
         raise UsageError("decode takes the bytes of a stream; imread takes a path")
     with open_stream(data, device) as stream:
@@ -40,7 +45,11 @@ def imread(
     dtype: DTypeLike | None = None,
     device: Device = ALL_CORES,
 ) -> NDArray[Any]:
-    """The same of a file, of which no more is read than the part needs."""
+    """The samples of a stream in a file, or of a part of it: [H, W] of gray, else [H, W, C].
+
+    path: a path or a URL; no more of the file is read than the part needs. The other parameters and the errors are
+    those of `decode`; StreamError also for a file that cannot be read.
+    """
     if not isinstance(path, str | os.PathLike):
         raise UsageError(f"a {type(path).__name__} is no path; decode takes bytes")
     with open_stream(path, device) as stream:

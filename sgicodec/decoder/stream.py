@@ -172,7 +172,7 @@ class Stream(ArrayView):
 
     @property
     def graphics_error(self) -> float | None:
-        """The same of samples of text and line art, where a residual layer shows these alone; else None."""
+        """Levels by which no sample of text and line art is off, where a residual layer shows these alone; or None."""
         found = self._open_native().graphics_error
         return None if found < 0 else found
 
@@ -183,7 +183,7 @@ class Stream(ArrayView):
 
     @property
     def has_exact_views(self) -> bool:
-        """Whether a residual layer shows every view, or text and line art in it, or its alpha: nothing below does."""
+        """Whether the residual layer alone shows all views, or the text and line art in them, or their alpha."""
         return bool(self._open_native().has_exact_views)
 
     @property
@@ -223,11 +223,15 @@ class Stream(ArrayView):
         dtype: DTypeLike | None = None,
         boundless: bool = False,
     ) -> Picture:
-        """The same as a picture in the source's layout, with its metadata.
+        """A region of the picture as a `Picture` in the source's layout, pixels [h, w, C], with its metadata.
 
-        dtype: of its samples, rendered as such: uint8, uint16 or float32, by default the source's; in another type the
-        range of samples is the whole type's. boundless: a region may reach over the picture; what lies outside is
-        nodata, else 0.
+        region: (x, y, width, height) in the picture's pixels, by default all. scale multiplies its size, size states it
+        instead: (width, height), where one may be None. dtype: of the samples, rendered as such: uint8, uint16 or
+        float32, by default the source's; in another type the range of samples is the whole type's. boundless: a region
+        may reach over the picture; what lies outside is nodata, else 0.
+
+        Raises UsageError, RegionError for a region that is not inside the picture, LimitError for more than 2³¹ samples
+        or memory, CorruptStreamError.
         """
         view = view_of(self.header, region, scale, size, boundless=boundless)
         header = self._header(dtype)
@@ -245,7 +249,11 @@ class Stream(ArrayView):
         dtype: DTypeLike | None = None,
         boundless: bool = False,
     ) -> Bands:
-        """The same picture in bands of rows from the top down, for what need not fit into memory."""
+        """The picture of `picture` in bands of rows from the top down, for what need not fit into memory.
+
+        Parameters and errors are those of `picture`, without the limit of samples. Iterate it for pairs of the first
+        row and a `Picture` of the rows from there on; `width`, `height` and `metadata` are those of the whole.
+        """
         view = view_of(self.header, region, scale, size, most=None, boundless=boundless)
         header = self._header(dtype)
         return Bands(header, view, view_metadata(self, header, view), partial(self._draw, view, header.sample_type))

@@ -53,7 +53,11 @@ def imwrite(
     device: Device = ALL_CORES,
     **settings: Any,
 ) -> None:
-    """The same into a file, which appears whole or not at all. Raises PictureError too if it cannot be written."""
+    """Encodes a picture into the file `path`, a stream that appears whole or not at all.
+
+    image and all other parameters: as of `encode`. Raises as `encode` does, PictureError too if the file cannot be
+    written, OutputLockedError if another encode is writing it.
+    """
     if not isinstance(path, str | os.PathLike):
         raise UsageError(f"a {type(path).__name__} is no path")
     samples = _Samples(channels, sample_range, nodata)

@@ -29,8 +29,9 @@ Result = TypeVar("Result")
 class ProcessExecutor(Executor):
     """An `Executor` with worker processes of this machine, started for each run.
 
-    workers: at most; 0 for one per core. max_memory: bytes that they may take together at their peak. peaks: where they
-    tell what they took.
+    workers: how many at most; 0 for one per core. max_memory: bytes that all processes may take together at their peak,
+    by the estimate; None for what the machine, or the control group of this process, has. peaks: where workers tell
+    what they took. Raises UsageError.
     """
 
     workers = 1

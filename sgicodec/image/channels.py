@@ -6,7 +6,7 @@ import struct
 from typing import Literal, NamedTuple
 
 from sgicodec.errors import PictureError
-from sgicodec.metadata import geo, ifd
+from sgicodec.metadata import geo, ifd, jp2
 from sgicodec.metadata.filebytes import Bytes
 from sgicodec.metadata.gdal_items import last_colour
 
@@ -24,9 +24,6 @@ _OPENIMAGEIO_AT = {2: 0, 1: 1, 0: 2, 3: 3}
 
 _CMYK = 12
 """The enumerated colour space of JPEG 2000, whose four channels OpenImageIO takes for red, green, blue and alpha."""
-
-_CODE_STREAM, _SIGNED, _DEEPEST = b"\xff\x4f\xff\x51", 128, 16
-"""How a code stream begins, and what its segment SIZ says of a component: signed, its number of bits less 1."""
 
 _EXTENSION, _NO_ALPHA = 494, (b"\0", b"\1")
 """Where the extension area of a Targa file says what alpha is, and what it says of none and of bytes to ignore."""
@@ -56,7 +53,8 @@ def declared_channels(data: Bytes, kind: str) -> Channels:
         if kind == "targa":
             return _targa(data)
         if kind == "jpeg2000":
-            return Channels(second=_colour_space(data) == _CMYK, deep=_is_deep(data))
+            found = jp2.components(data)
+            return Channels(second=jp2.colour_space(data) == _CMYK, deep=found is not None and found.is_deep)
         if kind == "ico":
             return Channels(second=True)  # OpenImageIO's first icon is the smallest one, as most programs write them
         if kind == "tiff":
@@ -113,40 +111,3 @@ def _denied(data: Bytes) -> bool:
     footer = bytes(data[len(data) - 26 :])
     offset = struct.unpack("<I", footer[:4])[0] if footer[8:24] == b"TRUEVISION-XFILE" else 0
     return offset > 0 and bytes(data[offset + _EXTENSION : offset + _EXTENSION + 1]) in _NO_ALPHA
-
-
-def _colour_space(data: Bytes) -> int | None:
-    """The enumerated colour space of a JP2 file, in the box `colr` of its header; None if it states none."""
-    at = _box(data, b"colr")
-    method, space = struct.unpack(">BxxI", data[at : at + 7]) if at is not None else (0, 0)
-    return int(space) if method == 1 else None
-
-
-def _is_deep(data: Bytes) -> bool:
-    """Whether samples of a JPEG 2000 file are signed or have more than 16 bits, by the segment SIZ of its code stream
-    (ISO/IEC 15444-1, A.5.1).
-    """
-    start = 0 if data[:4] == _CODE_STREAM else _box(data, b"jp2c")
-    if start is None or data[start : start + 4] != _CODE_STREAM:
-        return False
-    (count,) = struct.unpack(">H", data[start + 40 : start + 42])
-    return any(depth >= _SIGNED or depth + 1 > _DEEPEST for depth in data[start + 42 : start + 42 + 3 * count][::3])
-
-
-def _box(data: Bytes, wanted: bytes) -> int | None:
-    """Where the contents of the first box of this name begin, in a JP2 file or its header; None if there is none."""
-    at, end = 0, len(data)
-    while at + 8 <= end:
-        size, name = struct.unpack(">I4s", data[at : at + 8])
-        head = 16 if size == 1 else 8
-        if size == 1:
-            (size,) = struct.unpack(">Q", data[at + 8 : at + 16])
-        if name == wanted:
-            return at + head
-        if name == b"jp2h":
-            at += head
-        elif size < head:  # to the end of the file, or damaged
-            break
-        else:
-            at += size
-    return None

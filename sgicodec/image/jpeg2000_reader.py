@@ -1,4 +1,6 @@
-"""JPEG 2000 whose samples are signed, or deeper than 16 bits, by the OpenJPEG of imagecodecs."""
+"""JPEG 2000 that OpenImageIO does not read, or not rightly, by the OpenJPEG of imagecodecs: samples that are signed or
+have more than 16 bits, two bands or more than four, code streams without boxes.
+"""
 
 from __future__ import annotations
 
@@ -9,6 +11,7 @@ import numpy.typing as npt
 
 from sgicodec.errors import MissingExtraError, PictureError, require
 from sgicodec.image.decoded_picture import DecodedPicture
+from sgicodec.metadata.jp2 import Components
 
 if TYPE_CHECKING:
     from OpenImageIO import ImageSpec
@@ -19,32 +22,43 @@ _PROGRAM = "convert it first, as with gdal_translate IN a.tif"
 
 
 class Jpeg2000Reader(DecodedPicture):
-    """An open file: its samples as they are, one or three channels as gray or RGB, others as bands."""
+    """An open file: its samples as they are; one or three channels are gray or RGB, two gray and alpha if they are
+    declared so, others bands.
+    """
 
     kind = "jpeg 2000 by openjpeg"
     in_library = 5
 
-    def __init__(self, path: Path, header: ImageSpec) -> None:
-        """header: OpenImageIO's, which shortens such samples. Raises PictureError without imagecodecs."""
+    def __init__(self, path: Path, found: Components, header: ImageSpec | None = None) -> None:
+        """header: OpenImageIO's, if it has one. Raises PictureError without imagecodecs."""
         try:
             require("imagecodecs", "reading it", "avif")
         except MissingExtraError as error:
-            text = f"its samples are signed or have more than 16 bits; {error}, or {_PROGRAM}"
-            raise PictureError(text) from None
-        self._path, self._header = path, header
+            what = (
+                "its samples are signed or have more than 16 bits"
+                if found.is_deep
+                else f"it has {len(found.depths)} bands"
+            )
+            raise PictureError(f"{what}; {error}, or {_PROGRAM}") from None
+        self._path, self._found, self._header = path, found, header
 
     def _shape(self) -> tuple[int, int, int, str]:
-        return self._header.width, self._header.height, self._header.nchannels, "float32"
+        found = self._found
+        sample = "float" if found.is_deep else "uint16" if found.bits > 8 else "uint8"
+        return found.width, found.height, len(found.depths), sample
 
     def spec(self) -> ImageSpec:
-        """OpenImageIO's header, for floats and without alpha, which no signed samples are."""
+        """The header; its last channel is alpha only beside gray, and where no samples are signed."""
         import OpenImageIO as oiio
 
-        spec = oiio.ImageSpec(self._header)
-        spec.set_format(oiio.TypeDesc("float"))
-        spec.alpha_channel = -1
-        if spec.nchannels not in (1, 3):
-            spec.channelnames = tuple(f"band{band}" for band in range(spec.nchannels))
+        width, height, count, sample = self._shape()
+        spec = oiio.ImageSpec(width, height, count, sample)
+        if self._header is not None:
+            spec = oiio.ImageSpec(self._header)
+            spec.set_format(oiio.TypeDesc(sample))
+        spec.alpha_channel = 1 if count == 2 and self._found.has_alpha and not self._found.is_deep else -1
+        if count not in (1, 3):
+            spec.channelnames = tuple(f"band{band}" for band in range(count))
         return spec
 
     def _decoded(self) -> npt.NDArray[Any]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import struct
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -19,7 +20,7 @@ from sgicodec.image.pillow_reader import PillowReader, is_for_pillow
 from sgicodec.image.planes import Planes
 from sgicodec.image.silence import without_libpng
 from sgicodec.image.tiff_reader import TiffReader, left_to_gdal
-from sgicodec.metadata import png
+from sgicodec.metadata import jp2, png
 from sgicodec.metadata.filebytes import FileBytes
 
 if TYPE_CHECKING:
@@ -27,8 +28,8 @@ if TYPE_CHECKING:
 
 __all__ = ["by_others", "complaint", "is_openimageio", "no_size_limit", "open_image", "unread_floats"]
 
-_LEFT_TO_PILLOW = ("could not find a format reader", "one, three or four components")
-"""What OpenImageIO says of formats that it does not know, and of gray with alpha in JPEG 2000."""
+_UNKNOWN = "could not find a format reader"
+"""What OpenImageIO says of formats that it does not know."""
 _SIZE_LIMIT = "limits:imagesize_MB"
 _LIFTING = threading.Lock()
 
@@ -61,10 +62,26 @@ def open_image(path: Path, second: bool = False, page: int | None = None) -> Ima
         image = oiio.ImageInput.open(str(path.absolute()), hints)  # "tif" alone would be the format of that name
     if image is None:
         said = complaint(oiio, path)
-        if any(text in said for text in _LEFT_TO_PILLOW) or head[:2] == b"BM":
+        if jp2.is_jpeg2000(head):
+            return _jpeg2000(path)
+        if _UNKNOWN in said or head[:2] == b"BM":
             return PillowReader(path, page)
         raise PictureError(said or "it cannot be opened; the file is damaged or cut off")
     return image
+
+
+def _jpeg2000(path: Path) -> DecodedPicture:
+    """A JPEG 2000 file of two bands, of more than four, or without boxes, which OpenImageIO knows by its name alone."""
+    try:
+        with path.open("rb") as file:
+            found = jp2.components(FileBytes(file))
+    except struct.error:
+        found = None
+    if found is None:
+        raise PictureError("it cannot be opened; the file is damaged or cut off")
+    has_colours = len(found.depths) in (1, 3, 4) or (len(found.depths) == 2 and found.has_alpha)
+    is_plain = has_colours and found.bits <= 8 and not found.is_deep
+    return PillowReader(path) if is_plain else Jpeg2000Reader(path, found)
 
 
 def complaint(speaker: Any, path: Path) -> str:
@@ -81,8 +98,8 @@ def by_others(path: Path, data: FileBytes, image: Any, chosen: PageChoice, decla
 
     if not is_openimageio(image):
         return image
-    if declared.deep:
-        return Jpeg2000Reader(path, oiio.ImageSpec(image.spec()))
+    if declared.deep and (found := jp2.components(data)) is not None:
+        return Jpeg2000Reader(path, found, oiio.ImageSpec(image.spec()))
     if chosen.directory is None:
         return image
     image.seek_subimage(chosen.subimage, 0)

@@ -1,4 +1,5 @@
-"""EXIF, XMP and `geo` in the boxes of a JPEG 2000 file (ISO/IEC 15444-1 §I.7.2), each under a UUID of its own.
+"""What a JPEG 2000 file says besides samples (ISO/IEC 15444-1): its components, and EXIF, XMP and `geo` in boxes under
+a UUID each (§I.7.2).
 
 The place is GeoJP2's, a TIFF without pixels. GML, which may state it too, is left to GDAL.
 """
@@ -6,23 +7,52 @@ The place is GeoJP2's, a TIFF without pixels. GML, which may state it too, is le
 from __future__ import annotations
 
 import struct
+from typing import NamedTuple
 
 from sgicodec.metadata import tiff
 from sgicodec.metadata.boxes import boxes
 from sgicodec.metadata.filebytes import Bytes
 
-__all__ = ["find", "is_boxed", "states_place"]
+__all__ = ["Components", "colour_space", "components", "find", "is_boxed", "is_jpeg2000", "states_place"]
 
 _SIGNATURE = b"\0\0\0\x0cjP  \r\n\x87\n"
 _GEO = bytes.fromhex("b14bf8bd083d4b43a5ae8cd7d5a6ce03")
 _XMP = bytes.fromhex("be7acfcb97a942e89c71999491e3afac")
 _EXIF = b"JpgTiffExif->JP2"
 _GML = b"gml.data"
+_CODE_STREAM, _SIGNED = b"\xff\x4f\xff\x51", 128
+"""How a code stream begins, and the bit that says that a component is signed."""
+
+
+class Components(NamedTuple):
+    """width, height: of the picture. depths: a byte for each component, 128 if it is signed, and its number of bits
+    less 1. has_alpha: whether the last one is declared as opacity.
+    """
+
+    width: int
+    height: int
+    depths: bytes
+    has_alpha: bool
+
+    @property
+    def is_deep(self) -> bool:
+        """Whether samples are signed or have more than 16 bits."""
+        return any(depth >= _SIGNED or depth >= 16 for depth in self.depths)
+
+    @property
+    def bits(self) -> int:
+        """Of the deepest component."""
+        return 1 + max(depth & 127 for depth in self.depths)
 
 
 def is_boxed(data: Bytes) -> bool:
     """Whether a file begins like one of JPEG 2000 in boxes; one without has no metadata."""
     return bytes(data[: len(_SIGNATURE)]) == _SIGNATURE
+
+
+def is_jpeg2000(head: bytes) -> bool:
+    """Whether a file that begins so is one, in boxes or without."""
+    return is_boxed(head) or head[:4] == _CODE_STREAM
 
 
 def find(data: Bytes) -> tuple[bytes | None, bytes | None, bytes | None]:
@@ -48,3 +78,44 @@ def _found(data: Bytes) -> dict[bytes, bytes]:
     except struct.error:
         pass
     return found
+
+
+def components(data: Bytes) -> Components | None:
+    """What the segment SIZ of the code stream says (§A.5.1); None where none is found. Raises struct.error."""
+    start = 0 if data[:4] == _CODE_STREAM else _box(data, b"jp2c")
+    if start is None or data[start : start + 4] != _CODE_STREAM:
+        return None
+    right, bottom, left, top, count = struct.unpack(">4I16xH", data[start + 8 : start + 42])
+    depths = bytes(data[start + 42 : start + 42 + 3 * count][::3])
+    return Components(right - left, bottom - top, depths, _has_alpha(data, count)) if depths else None
+
+
+def _has_alpha(data: Bytes, count: int) -> bool:
+    """Whether the box `cdef` calls the last of so many components opacity, of premultiplied colours or not."""
+    at = _box(data, b"cdef")
+    (stated,) = struct.unpack(">H", data[at : at + 2]) if at is not None else (0,)
+    return any(
+        struct.unpack(">HH", data[place : place + 4]) in ((count - 1, 1), (count - 1, 2))
+        for place in range((at or 0) + 2, (at or 0) + 2 + 6 * stated, 6)
+    )
+
+
+def colour_space(data: Bytes) -> int | None:
+    """The enumerated colour space in the box `colr`; None if it states none. Raises struct.error."""
+    at = _box(data, b"colr")
+    method, space = struct.unpack(">BxxI", data[at : at + 7]) if at is not None else (0, 0)
+    return int(space) if method == 1 else None
+
+
+def _box(data: Bytes, wanted: bytes) -> int | None:
+    """Where the contents of the first box of this kind begin, in the file or its header; None if there is none."""
+    if not is_boxed(data):
+        return None
+    for kind, span in boxes(data, slice(0, len(data))):
+        if kind == wanted:
+            return int(span.start)
+        if kind == b"jp2h":
+            within = [inner for name, inner in boxes(data, span) if name == wanted]
+            if within:
+                return int(within[0].start)
+    return None

@@ -36,11 +36,12 @@ def write_cog(
     done: Callable[[int], None] = lambda rows: None,
     **view: Any,
 ) -> None:
-    """Writes a stream, or a part of it, with place, nodata and overviews, to a file, which appears whole or
-    not at all.
+    """Writes a stream, or a part of it, with place, nodata and overviews, as Cloud Optimized GeoTIFF. The file appears
+    whole or not at all.
 
-    Overviews are rendered by the decoder; a pyramid is written beside the file first, which GDAL puts in order.
-    Parameters and errors are those of `write_pyramid`.
+    compression: of the tiles. view: region, scale, size, dtype and boundless, as of `Stream.picture`. done: called with
+    the rows of the picture that are rendered. Overviews are rendered by the decoder; a pyramid is written beside the
+    file first, which GDAL puts in order. Raises StreamError, PictureError, UsageError, MissingExtraError.
     """
     require("rasterio", "writing Cloud Optimized GeoTIFF", "tiff")
     import rasterio

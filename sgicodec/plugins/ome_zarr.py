@@ -31,11 +31,13 @@ _CYCLE = ("0000FF", "00FF00", "FF0000", "FFFF00", "FF00FF", "00FFFF", "FFFFFF")
 def write_ome_zarr(
     stream: Stream, path: str | Path, *, done: Callable[[int], None] = lambda rows: None, **view: Any
 ) -> None:
-    """Writes a stream, or a part of it, to a folder, which appears whole or not at all and replaces one of Zarr.
+    """Writes a stream, or a part of it, as OME-Zarr to a folder, which appears whole or not at all and replaces one of
+    Zarr.
 
-    Levels are rendered by the decoder and compressed without loss; the size of a pixel, the range of samples, colours
-    and names of bands are stated. Parameters are those of `write_pyramid`. Raises StreamError, PictureError,
-    MissingExtraError.
+    view: region, scale, size, dtype and boundless, as of `Stream.picture`. done: called with the rows of the picture
+    that are rendered. Levels are rendered by the decoder and compressed without loss; the size of a pixel, the range of
+    samples, colours and names of bands are stated. Raises StreamError, PictureError, MissingExtraError, UsageError for
+    a folder that is none of Zarr.
     """
     require("zarr", "writing OME-Zarr", "zarr")
     target = Path(os.path.realpath(path))

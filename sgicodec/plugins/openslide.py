@@ -119,7 +119,11 @@ class Slide:
         return max(fitting, default=0)
 
     def read_region(self, location: tuple[int, int], level: int, size: tuple[int, int]) -> Image:
-        """`size` pixels of a level from `location` on, which counts the picture's pixels and may lie outside."""
+        """An RGBA image of Pillow: `size` (width, height) pixels of a level, from `location` (x, y) on.
+
+        The location counts pixels of the picture, at any level, and may lie outside it; what lies outside, or is
+        nodata, is transparent. Raises RegionError for a level that is not there, UsageError for a negative size.
+        """
         from PIL import Image
 
         if min(size) < 0:

@@ -53,7 +53,7 @@ def write_pyramid(
     """Writes a stream, or a part of it, and its half, its quarter … to a file, which appears whole or not at all.
 
     ome: whether it is OME-TIFF; by default if it is called `.ome.tif` or `.ome.tiff`. compression: of the tiles. view:
-    region, scale, size, dtype and boundless, as of `Stream.read`. done: called with the rows of the first level that
+    region, scale, size, dtype and boundless, as of `Stream.picture`. done: called with the rows of the first level that
     are rendered. Every level is rendered by itself, in bands of rows. Raises StreamError, PictureError,
     MissingExtraError.
     """

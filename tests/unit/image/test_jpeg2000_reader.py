@@ -34,6 +34,18 @@ def test_the_numbers_are_those_of_the_file(tmp_path: Path, dtype: str, bits: int
         np.testing.assert_array_equal(source.read(7, 5, 30, 20).pixels, picture.pixels[5:25, 7:37])
 
 
+@pytest.mark.parametrize("bits", [8, 12, 16])
+@pytest.mark.parametrize("bands", [2, 5])
+@pytest.mark.parametrize("container", ["jp2", "j2k"])
+def test_bands_that_nothing_says_of(bits: int, bands: int, container: str) -> None:
+    """Not gray and alpha, and not of eight bits, which Pillow would make of two."""
+    dtype = np.uint8 if bits == 8 else np.uint16
+    stored = np.random.default_rng(bits).integers(0, 1 << bits, (40, 50, bands)).astype(dtype)
+    picture = read(bytes(imagecodecs.jpeg2k_encode(stored, codecformat=container, reversible=True, bitspersample=bits)))
+    assert (picture.channels, picture.pixels.dtype) == ("multi", dtype)
+    np.testing.assert_array_equal(picture.pixels, stored)
+
+
 def test_damage_is_refused() -> None:
     data = bytes(imagecodecs.jpeg2k_encode(numbers("int16", 16, 1), codecformat="jp2", reversible=True))
     with pytest.raises(PictureError):
