@@ -97,7 +97,7 @@ def _layout(spec: ImageSpec, kind: str) -> str:
             return "gray"
         case 2 if alpha == 1 or kind in _SECOND_IS_ALPHA:
             return "gray+alpha"
-        case 3 if alpha < 0:
+        case 3 if alpha < 0 and _photometric(spec) != _GRAY:  # a TIFF of three bands that are no colours
             return "rgb"
         case 4 if spec.channelnames[3] == "A":
             return "rgba"

@@ -40,6 +40,8 @@ _FARTHEST = 1e30
 """Samples beyond it are blanks or outliers, whatever the others are."""
 _MAX_EXACT = 50
 """One sample in so many may be kept exactly."""
+_CROWD = 100
+"""How many times as wide as where 3 of 4 samples lie a range is of which somebody should know."""
 _LEVELS, _FIRST, _ROUNDING = 256, 2048, 2.0**-22
 """Values of eight bits; samples that are looked at first for more; what floats are rounded by, in parts of a sample."""
 _NEARLY = 0.1
@@ -149,6 +151,7 @@ class UsedRange:
                 raise PictureError(_TOO_FAR.format(low=bins.low[0], high=bins.high[-1]))
         if any(abs(level) > MAX_SAMPLE for found in ranges for level in found):
             raise PictureError(f"its samples are beyond {MAX_SAMPLE:g}; state a sample range to clip them to")
+        remark = remark or next(filter(None, map(_crowded, groups, ranges)), None)
         exact = any(outside) or (self._nans > 0 and self._nodata is not None and not np.isnan(self._nodata))
         low, high = (tuple(levels) for levels in zip(*ranges, strict=True))
         sample_range = (low, high) if len(set(ranges)) > 1 else ranges[0]
@@ -215,6 +218,25 @@ _TOO_FAR = (
 )
 
 
+_CROWDED = (
+    "3 of 4 samples lie between {inner_low:g} and {inner_high:g}, in a {part:,.0f}th of {low:g} to {high:g}, "
+    "which errors are parts of; --range LOW,HIGH makes them finer, and clips what lies outside"
+)
+
+
+def _crowded(bins: _Bins, sample_range: tuple[float, float]) -> str | None:
+    """What to say where most samples lie in a hundredth of the range that quality spans, or in less."""
+    behind = np.cumsum(bins.times)
+    if not len(behind):
+        return None
+    inner_low = float(bins.low[np.searchsorted(behind, behind[-1] // 8, side="right")])
+    inner_high = float(bins.high[np.searchsorted(behind, behind[-1] - behind[-1] // 8)])
+    (low, high), width = sample_range, inner_high - inner_low
+    if not 0 < width * _CROWD < high - low:
+        return None
+    return _CROWDED.format(inner_low=inner_low, inner_high=inner_high, part=(high - low) / width, low=low, high=high)
+
+
 def _few(bins: _Bins) -> int:
     """How many samples may be outliers."""
     total = int(bins.times.sum())
@@ -234,14 +256,22 @@ def _without_far(bins: _Bins) -> _Bins:
 
 
 def _inner(bins: _Bins) -> tuple[float, float]:
-    """The lowest and the highest sample but for outliers: few at an end, with nothing between them and the others."""
-    few, total = _few(bins), int(bins.times.sum())
+    """The lowest and the highest sample but for outliers: few at an end, with nothing between them and the others, or
+    as many as can be kept exactly, where they are spans of all others away.
+    """
+    total = int(bins.times.sum())
+    ends = _within(bins, total, _few(bins), _APART), _within(bins, total, total // _MAX_EXACT // 2, _GAP)
+    return max(low for low, _ in ends), min(high for _, high in ends)
+
+
+def _within(bins: _Bins, total: int, most: int, apart: float) -> tuple[float, float]:
+    """The same where outliers are `most` at an end, and so many spans of all others away from them."""
     behind = np.cumsum(bins.times)
-    first = int(np.searchsorted(behind, few, side="right"))
-    last = int(np.searchsorted(behind, total - few, side="left"))
-    gap = max(_APART * float(bins.high[last] - bins.low[first]), float(np.finfo(np.float32).tiny))
-    (apart,) = np.nonzero(bins.low[1:] - bins.high[:-1] >= gap)  # behind these bins
-    below, above = apart[apart < first], apart[apart >= last]
+    first = int(np.searchsorted(behind, most, side="right"))
+    last = int(np.searchsorted(behind, total - most, side="left"))
+    gap = max(apart * float(bins.high[last] - bins.low[first]), float(np.finfo(np.float32).tiny))
+    (gaps,) = np.nonzero(bins.low[1:] - bins.high[:-1] >= gap)  # behind these bins
+    below, above = gaps[gaps < first], gaps[gaps >= last]
     return (
         float(bins.low[below[-1] + 1 if len(below) else 0]),
         float(bins.high[above[0] if len(above) else -1]),
@@ -260,10 +290,10 @@ def _ranges(bins: _Bins, dtype: np.dtype[Any]) -> list[tuple[float, float]]:
 
 
 def _apart(value: float, dtype: np.dtype[Any]) -> tuple[float, float]:
-    """The range of a single value."""
+    """The range of a single value, so narrow that whatever lies in its lower half is rounded to that value."""
     if dtype.kind == "u":
         return (value, value + 1) if value < full_range(dtype)[1] else (value - 1, value)
-    return value, value + max(1.0, abs(value))
+    return value, float(np.nextafter(np.float32(value), np.float32(np.inf)))
 
 
 def _usual(low: float, high: float, dtype: np.dtype[Any]) -> list[tuple[float, float]]:

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import tifffile
 from command import sgi
 from data_files import crop
 
@@ -123,3 +124,13 @@ def test_the_command_line_chooses_a_range(tmp_path: Path, choice: str | None, ex
     assert found.exit_code == 0
     assert sgicodec.open(tmp_path / "in.sgi").header.sample_range == expected
     assert f"dB of the range {expected[0]:g} to {expected[1]:g}" in found.output
+
+
+def test_bands_of_a_tiff_have_ranges_of_their_own(tmp_path: Path) -> None:
+    """Three that are called gray, as GDAL writes them, are no colours. One of a single value comes back exactly."""
+    ramp = np.linspace(0, 1, 96 * 64, dtype=np.float32).reshape(64, 96)
+    pixels = np.stack([ramp, np.full_like(ramp, 1013.25), 1e4 * ramp[::-1]])
+    tifffile.imwrite(tmp_path / "x.tif", pixels, photometric="minisblack", planarconfig="separate")
+    decoded = sgicodec.decode(sgicodec.encode(tmp_path / "x.tif", effort=1))
+    assert np.abs(decoded[..., 0] - ramp).max() < 0.1
+    assert np.ptp(decoded[..., 1]) == 0

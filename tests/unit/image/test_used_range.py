@@ -77,6 +77,25 @@ def test_a_few_dead_or_hot_pixels_lie_outside(dtype: np.dtype, value: float, ins
     assert inside in range(int(plain.sample_range[0]), int(plain.sample_range[1]) + 1)  # type: ignore[arg-type]
 
 
+@pytest.mark.parametrize(("dtype", "top", "scale"), [(F32, 1.0, 1e6), (U16, 100.0, 6e4)])
+def test_samples_spans_away_from_all_others_lie_outside(dtype: np.dtype, top: float, scale: float) -> None:
+    """One in a hundred, as of a ratio of bands whose divisor is nearly 0."""
+    pixels = (RAMP * top).astype(dtype)
+    far = np.random.default_rng(3).choice(pixels.size, 50, replace=False)
+    pixels.ravel()[far] = scale * 10.0 ** np.random.default_rng(4).uniform(-1.5, 0, 50)
+    found = use(pixels)
+    assert (found.sample_range, found.exact) == ((0.0, top), True)
+
+
+def test_a_range_that_few_samples_stretch_is_told() -> None:
+    pixels = RAMP.astype(np.float32)
+    pixels[::10] = np.linspace(2, 1e6, pixels[::10].size).reshape(-1, 100, 1)  # no gap between them
+    remark = use(pixels).remark
+    assert remark is not None
+    assert remark.startswith("3 of 4 samples lie between")
+    assert use((RAMP * 1e6).astype(np.float32)).remark is None
+
+
 @pytest.mark.parametrize("value", [-9999.0, 1.70141e38, 3.4028235e38, -3.4028235e38, np.inf, 0.0])
 def test_a_value_far_from_all_others_is_nodata(value: float) -> None:
     pixels = (300 + RAMP * 44).astype(np.float32)
