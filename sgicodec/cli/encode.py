@@ -96,7 +96,7 @@ _MAX_FILE = 1 << 20
 @click.option(
     "--tune",
     type=click.Choice(["visual", "psnr"]),
-    help="What to look good to: the eye, or squared error.  [default: psnr with --psnr and --max-error, else visual]",
+    help="What to optimise: the eye, or squared error.  [default: psnr with --psnr and --max-error, else visual]",
 )
 @click.option("--texture/--no-texture", default=True, show_default=True, help="Code texture as cosines where it pays.")
 @click.option(
@@ -119,7 +119,7 @@ _MAX_FILE = 1 << 20
 @click.option("--features", type=int, metavar="D", help="Size of a seed's feature; paper profile.")
 @click.option("--levels", type=int, metavar="M", help="Levels of the pyramid; paper profile.")
 @click.option("--steps", type=int, metavar="N", help="Optimisation steps, instead of what -e says.")
-@click.option("--seed", type=click.IntRange(0, 2**32 - 1), default=0, metavar="N", help="Of the random numbers.")
+@click.option("--seed", type=click.IntRange(0, 2**32 - 1), default=0, metavar="N", help="Start value of the random numbers.")
 @click.option("--range", "sample_range", type=SAMPLE_RANGE, metavar="WHICH", help="Samples: used, type or LOW,HIGH.")
 @click.option(
     "--alpha",
