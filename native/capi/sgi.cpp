@@ -167,8 +167,11 @@ sgi_status sgi_get_metadata(sgi_stream *stream, sgi_metadata kind, const void **
     require(bytes && size, "a null pointer for the metadata");
     *bytes = nullptr, *size = 0;
     const auto &blobs = checked(stream).stream.chunks().blobs();
-    require(int(kind) >= SGI_METADATA_ICC && int(kind) <= SGI_METADATA_SOFTWARE, "no kind of metadata");
-    const auto found = blobs.find("icxgs"[int(kind)]);
+    unsigned number;  // a caller may give any, which is no value of the enumeration
+    static_assert(sizeof number == sizeof kind);
+    std::memcpy(&number, &kind, sizeof number);
+    require(number <= SGI_METADATA_SOFTWARE, "no kind of metadata");
+    const auto found = blobs.find("icxgs"[number]);
     if (found == blobs.end()) return;
     *size = found->second.size();
     *bytes = *size ? static_cast<const void *>(found->second.data()) : "";

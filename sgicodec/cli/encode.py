@@ -119,7 +119,9 @@ _MAX_FILE = 1 << 20
 @click.option("--features", type=int, metavar="D", help="Size of a seed's feature; paper profile.")
 @click.option("--levels", type=int, metavar="M", help="Levels of the pyramid; paper profile.")
 @click.option("--steps", type=int, metavar="N", help="Optimisation steps, instead of what -e says.")
-@click.option("--seed", type=click.IntRange(0, 2**32 - 1), default=0, metavar="N", help="Start value of the random numbers.")
+@click.option(
+    "--seed", type=click.IntRange(0, 2**32 - 1), default=0, metavar="N", help="Start value of the random numbers."
+)
 @click.option("--range", "sample_range", type=SAMPLE_RANGE, metavar="WHICH", help="Samples: used, type or LOW,HIGH.")
 @click.option(
     "--alpha",

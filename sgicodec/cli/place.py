@@ -51,7 +51,7 @@ def place_lines(facts: Mapping[str, Any]) -> dict[str, str]:
         lines["pixel"] = " × ".join(f"{size:.6g}" for size in place["pixel_size"]) + unit
     if facts["nodata"] is not None:
         value = facts["nodata"]
-        lines["nodata"] = value if isinstance(value, str) else f"{value:g}"
+        lines["nodata"] = value if isinstance(value, str) else f"{value:.9g}"
     if scale is not None:
         across, down = scale["microns_per_pixel"]
         size = f"{across:.6g}" if across == down else f"{across:.6g} × {down:.6g}"

@@ -26,7 +26,8 @@ class Report:
     """Figures of one encode.
 
     bpp: bits per pixel of the whole stream. psnr: dB over all samples, of a peak that is the sample range; None if not
-    measured, infinite for no error. parts: bytes of each part, metadata counted as container; they sum to `bytes`.
+    measured, infinite for no error. rounding: by how much samples of more bits than a stream holds are off at most before
+    they are coded. parts: bytes of each part, metadata counted as container; they sum to `bytes`.
     devices: how many tiles each fitted, by the name of a GPU or the processor.
     fallback: why the processor fitted although a GPU was asked for.
     """
@@ -39,6 +40,7 @@ class Report:
     bytes: int
     bpp: float
     psnr: float | None
+    rounding: float
     profile: str
     lmbda: float
     seeds: int
@@ -51,7 +53,7 @@ class Report:
     fallback: str | None
 
     @classmethod
-    def of(cls, plan: Plan, encoded: Encoded, device: str = "cpu") -> Report:
+    def of(cls, plan: Plan, encoded: Encoded, rounding: float, device: str = "cpu") -> Report:
         """Of a finished encode; device: the name of what was asked for."""
         header = plan.header
         return cls(
@@ -63,6 +65,7 @@ class Report:
             bytes=encoded.size,
             bpp=8 * encoded.size / (header.width * header.height),
             psnr=encoded.psnr,
+            rounding=rounding,
             profile=header.profile,
             lmbda=encoded.lmbda,
             seeds=encoded.seeds,
@@ -98,6 +101,12 @@ def _of_range(report: Report) -> str:
     return f" of the range {range_text(report.sample_range)}"
 
 
+def _fidelity(report: Report, psnr: float) -> str:
+    if math.isfinite(psnr):
+        return f"PSNR {psnr:.2f} dB{_of_range(report)}"
+    return f"exact as 32-bit floats, off by up to {report.rounding:g}" if report.rounding else "without loss"
+
+
 def _fitted(report: Report) -> str:
     """Which devices fitted, in words."""
     names = [f"the {name}" if name == PROCESSOR else name for name in report.devices]
@@ -119,7 +128,7 @@ def print_report(
         return
     line = f"{display(target, 'stdout')}: {report.bytes:,} bytes, {report.bpp:.3f} bpp, "
     if report.psnr is not None:
-        line += f"PSNR {report.psnr:.2f} dB{_of_range(report)}, " if math.isfinite(report.psnr) else "without loss, "
+        line += f"{_fidelity(report, report.psnr)}, "
     line += f"{report.gaussians:,} Gaussians, {seconds:.1f} s"
     line += f", {peak_mib:.0f} MiB" if peak_mib is not None else ""
     click.echo(line, err=target == STANDARD)

@@ -48,8 +48,8 @@ class Layer:
         off = self.windows.shape.rounding
         if off >= self.max_error and off > 0 and not self.is_alpha:
             raise PictureError(
-                f"the samples of the picture have more bits than 32-bit floats, which are off by up to {off:g}; a "
-                f"greatest error (--max-error) above that counts from those samples"
+                f"its samples do not fit 32-bit floats, which are off by up to {off:g}: --lossless is not possible, "
+                f"--max-error is above that"
             )
 
     def form(self, header: Header, rects: Iterable[Rect]) -> bytes:

@@ -108,7 +108,7 @@ class UsedRange:
         if self._alpha is not None:
             alpha = pixels[..., self._alpha]
             self._alpha_low = min(self._alpha_low, float(alpha.min()))
-            self._alpha_high = max(self._alpha_high, float(alpha.max()))
+            self._alpha_high = max(self._alpha_high, np.inf if np.isnan(alpha.max()) else float(alpha.max()))
         for group in range(self._groups):
             samples = (colours if self._groups == 1 else colours[..., group]).ravel()
             if self._nodata is not None:

@@ -217,7 +217,7 @@ def test_samples_of_too_many_bits(dtype: str, sample_range: tuple[float, float] 
     """None is off by more than was asked for from what the file holds; what cannot be kept is refused."""
     samples = (photo(40, 30)[..., 0] * 3_000_001.7).astype(dtype)
     tifffile.imwrite(tmp_path / "a.tif", samples)
-    with pytest.raises(PictureError, match=r"more bits than 32-bit floats, which are off by up to 3[0-2]"):
+    with pytest.raises(PictureError, match=r"do not fit 32-bit floats, which are off by up to 3[0-2]"):
         encode(tmp_path / "a.tif", max_error=0, sample_range=sample_range)
     data = encode(tmp_path / "a.tif", max_error=40, sample_range=sample_range)
     with open_stream(data) as stream:
@@ -229,7 +229,7 @@ def test_samples_of_too_many_bits(dtype: str, sample_range: tuple[float, float] 
 
 
 def test_an_array_of_too_many_bits() -> None:
-    with pytest.raises(PictureError, match="more bits"):
+    with pytest.raises(PictureError, match="do not fit 32-bit floats"):
         encode(photo(40, 30)[..., 0] / 255.0, max_error=0)
 
 

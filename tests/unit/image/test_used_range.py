@@ -161,3 +161,10 @@ def test_samples_without_data_are_outside_the_range(tmp_path: Path, nodata: byte
         assert read(tmp_path / "x.tif").exact
         with pytest.raises(PictureError, match="not a number"):
             read(tmp_path / "x.tif", sample_range=(2.0, 4.0))
+
+
+def test_alpha_that_is_not_a_number_is_no_alpha() -> None:
+    pixels = np.stack([RAMP[..., 0], np.ones((50, 100))], axis=2).astype(np.float32)
+    assert use(pixels, "gray+alpha").opacity
+    pixels[3, 4, 1] = np.nan
+    assert not use(pixels, "gray+alpha").opacity
