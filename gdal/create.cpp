@@ -1,12 +1,15 @@
 #include "create.hpp"
 
 #include <cpl_conv.h>
+#include <cpl_minixml.h>
 #include <cpl_spawn.h>
 #include <cpl_string.h>
 #include <cpl_vsi.h>
 
 #include <cctype>
+#include <set>
 #include <string>
+#include <vector>
 
 namespace {
 
@@ -15,9 +18,12 @@ constexpr double kCopied = 0.05;  // share of the progress that the copy in TIFF
 // A file that goes with this object.
 struct Scratch {
   std::string path;
+  // Removes what GDAL writes beside it.
+  void clear() const {
+    for (const char *more : {".aux.xml", ".msk"}) VSIUnlink((path + more).c_str());
+  }
   ~Scratch() {
-    VSIUnlink((path + ".aux.xml").c_str());
-    VSIUnlink((path + ".msk").c_str());
+    clear();
     VSIUnlink(path.c_str());
   }
 };
@@ -49,6 +55,45 @@ bool accepts(const char *name, GDALDataset &source, bool is_strict) {
   return lose(is_strict, name, "the mask is not kept; gdalwarp -dstalpha makes alpha of it, which is");
 }
 
+// What GDAL has written in XML because TIFF has no tags for it, by GDAL's own names. Besides that, the XML repeats
+// names and the place, calls bands without a meaning gray where TIFF does not, and counts the source's samples.
+std::set<std::string> untagged(const CPLXMLNode *parent) {
+  const std::set<std::string> aside = {"Description", "GeoTransform", "Histograms"};
+  std::set<std::string> names;
+  for (const CPLXMLNode *item = parent ? parent->psChild : nullptr; item; item = item->psNext) {
+    if (item->eType != CXT_Element) continue;
+    const std::string name = item->pszValue, value = CPLGetXMLValue(item, "", "");
+    const bool is_plain = name == "ColorInterp" && (value == "Gray" || value == "Undefined");
+    if (name == "PAMRasterBand")
+      names.merge(untagged(item));
+    else if (!is_plain && !aside.count(name))
+      names.insert(name);
+  }
+  return names;
+}
+
+// A text without the name of a copy, which nobody knows.
+std::string without(std::string text, const std::string &copy) {
+  for (size_t at = 0; (at = text.find(copy + ": ", at)) != std::string::npos;) text.erase(at, copy.size() + 2);
+  return text;
+}
+
+std::string joined(const std::set<std::string> &words) {
+  std::string text;
+  for (const std::string &word : words) text += (text.empty() ? "" : ", ") + word;
+  return text;
+}
+
+struct Message {
+  CPLErr kind;
+  CPLErrorNum number;
+  std::string text;
+};
+
+void CPL_STDCALL keep_message(CPLErr kind, CPLErrorNum number, const char *text) {
+  static_cast<std::vector<Message> *>(CPLGetErrorHandlerUserData())->push_back({kind, number, text});
+}
+
 // The dataset as GeoTIFF, which `sgi` reads with all that its tags say.
 bool copied(GDALDataset &source, const Scratch &tiff, const char *name, bool is_strict, GDALProgressFunc progress,
             void *user) {
@@ -64,15 +109,25 @@ bool copied(GDALDataset &source, const Scratch &tiff, const char *name, bool is_
     CPLError(CE_Failure, CPLE_AppDefined, "%s: GDAL has no driver GTiff, which a copy is made with", name);
     return false;
   }
+  const CPLConfigOptionSetter beside("GDAL_PAM_ENABLED", "YES", false);  // so that it tells what has no tags
   void *scaled = GDALCreateScaledProgress(0, kCopied, progress, user);
+  std::vector<Message> messages;
+  CPLPushErrorHandlerEx(keep_message, &messages);
   GDALDatasetUniquePtr copy(
       driver->CreateCopy(tiff.path.c_str(), &source, is_strict, options.List(), GDALScaledProgress, scaled));
-  GDALDestroyScaledProgress(scaled);
-  if (!copy) return false;
+  const bool is_made = copy != nullptr;
   copy.reset();
+  CPLPopErrorHandler();
+  GDALDestroyScaledProgress(scaled);
+  for (const Message &message : messages)
+    CPLError(message.kind, message.number, "%s: %s", name, without(message.text, tiff.path).c_str());
+  if (!is_made) return false;
+  const std::string beside_it = tiff.path + ".aux.xml";
   VSIStatBufL status;
-  if (VSIStatL((tiff.path + ".aux.xml").c_str(), &status) != 0) return true;
-  return lose(is_strict, name, "what GeoTIFF has no tags for (categories, attribute tables, histograms) is not kept");
+  CPLXMLTreeCloser said(VSIStatL(beside_it.c_str(), &status) == 0 ? CPLParseXMLFile(beside_it.c_str()) : nullptr);
+  const std::string lost = joined(untagged(CPLGetXMLNode(said.get(), "=PAMDataset")));
+  tiff.clear();  // `sgi` would name them
+  return lost.empty() || lose(is_strict, name, "what GeoTIFF has no tags for is not kept: " + lost);
 }
 
 // Options of `sgi encode` that have a value, as GDAL names them.
@@ -121,8 +176,7 @@ bool ran(const char *name, const CPLStringList &words) {
   for (char byte; CPLPipeRead(errors, &byte, 1);) said += byte;
   const int status = CPLSpawnAsyncFinish(process, TRUE, FALSE);
   while (!said.empty() && said.back() == '\n') said.pop_back();
-  const std::string copy = std::string(words[words.Count() - 1]) + ": ";
-  if (const size_t at = said.find(copy); at != std::string::npos) said.erase(at, copy.size());
+  said = without(said, words[words.Count() - 1]);
   if (status == 0) {
     if (!said.empty()) CPLError(CE_Warning, CPLE_AppDefined, "%s: %s", name, said.c_str());
     return true;
