@@ -7,6 +7,7 @@
 #include <cpl_vsi.h>
 
 #include <cctype>
+#include <cmath>
 #include <set>
 #include <string>
 #include <vector>
@@ -34,6 +35,24 @@ bool lose(bool is_strict, const char *name, const std::string &what) {
   return !is_strict;
 }
 
+std::string joined(const std::set<std::string> &words) {
+  std::string text;
+  for (const std::string &word : words) text += (text.empty() ? "" : ", ") + word;
+  return text;
+}
+
+// The nodata values of bands but alpha: more than one where they differ, or where some have none.
+std::set<std::string> nodata_of(GDALDataset &source) {
+  std::set<std::string> values;
+  for (GDALRasterBand *band : source.GetBands()) {
+    int is_stated = FALSE;
+    const double nodata = band->GetNoDataValue(&is_stated);
+    if (band->GetColorInterpretation() == GCI_AlphaBand) continue;
+    values.insert(!is_stated ? "none" : std::isnan(nodata) ? "nan" : CPLSPrintf("%.17g", nodata));
+  }
+  return values;
+}
+
 bool accepts(const char *name, GDALDataset &source, bool is_strict) {
   const int bands = source.GetRasterCount();
   if (!bands) {
@@ -45,6 +64,13 @@ bool accepts(const char *name, GDALDataset &source, bool is_strict) {
     if (source.GetRasterBand(band)->GetRasterDataType() == type && !GDALDataTypeIsComplex(type)) continue;
     CPLError(CE_Failure, CPLE_NotSupported, "%s: bands of a stream are real numbers of one type; choose one by -ot",
              name);
+    return false;
+  }
+  if (const auto values = nodata_of(source); values.size() > 1) {
+    CPLError(CE_Failure, CPLE_NotSupported,
+             "%s: nodata of bands differs (%s), of which a stream has one for all; choose bands by -b, or one value by "
+             "-a_nodata",
+             name, joined(values).c_str());
     return false;
   }
   const bool is_held = type == GDT_Byte || type == GDT_UInt16 || type == GDT_Float32;
@@ -75,12 +101,6 @@ std::set<std::string> untagged(const CPLXMLNode *parent) {
 // A text without the name of a copy, which nobody knows.
 std::string without(std::string text, const std::string &copy) {
   for (size_t at = 0; (at = text.find(copy + ": ", at)) != std::string::npos;) text.erase(at, copy.size() + 2);
-  return text;
-}
-
-std::string joined(const std::set<std::string> &words) {
-  std::string text;
-  for (const std::string &word : words) text += (text.empty() ? "" : ", ") + word;
   return text;
 }
 

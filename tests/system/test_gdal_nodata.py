@@ -92,3 +92,20 @@ def test_alpha_is_no_nodata(gdal: Run, tmp_path: Path) -> None:
     (tmp_path / "a.sgi").write_bytes(sgicodec.encode(picture, steps=1))
     bands = info(gdal, tmp_path / "a.sgi")["bands"]
     assert [band.get("noDataValue") for band in bands] == [0, 0, 0, None]
+
+
+@pytest.mark.parametrize(("values", "said"), [((1, 2), "1, 2"), ((1, None), "1, none"), ((None, 2), "2, none")])
+def test_bands_of_unlike_nodata_are_refused(
+    values: tuple[float | None, ...], said: str, gdal: Run, tmp_path: Path
+) -> None:
+    """GeoTIFF has one value for all: valid samples of the other bands would be nodata."""
+    source, virtual = tif_of(tmp_path / "a.tif", bare_bands("uint16", 0), None), tmp_path / "a.vrt"
+    gdal("gdal_translate", "-q", "-of", "VRT", source, virtual)
+    *bands, end = virtual.read_text().split("</VRTRasterBand>")
+    stated = ["" if value is None else f"<NoDataValue>{value}</NoDataValue>" for value in values]
+    text = "".join(f"{band}{own}</VRTRasterBand>" for band, own in zip(bands, stated, strict=True))
+    virtual.write_text(text + end)
+    failed = gdal("gdal_translate", "-q", "-of", "SGICODEC", virtual, tmp_path / "a.sgi", fails=True)
+    assert f"nodata of bands differs ({said})" in failed.stderr
+    assert len(failed.stderr.splitlines()) == 1
+    assert not (tmp_path / "a.sgi").exists()
