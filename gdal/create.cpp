@@ -53,7 +53,27 @@ std::set<std::string> nodata_of(GDALDataset &source) {
   return values;
 }
 
-bool accepts(const char *name, GDALDataset &source, bool is_strict) {
+// What a stream has no place for, whatever tags say.
+std::vector<std::string> losses(GDALDataset &source, const CPLStringList &options) {
+  const int bands = source.GetRasterCount();
+  GDALRasterBand &first = *source.GetRasterBand(1);
+  const GDALDataType type = first.GetRasterDataType();
+  std::vector<std::string> found;
+  if (type != GDT_Byte && type != GDT_UInt16 && type != GDT_Float32)
+    found.push_back(std::string("samples of ") + GDALGetDataTypeName(type) + " become Float32");
+  if (first.GetColorTable() && bands <= 2 && (type == GDT_Byte || type == GDT_UInt16))
+    found.push_back("a palette becomes its colours; class numbers, colour table, nodata and alpha are not kept");
+  if (!(first.GetMaskFlags() & (GMF_ALL_VALID | GMF_ALPHA | GMF_NODATA)))
+    found.push_back("the mask is not kept; gdalwarp -dstalpha makes alpha of it, which is kept beside gray or RGB");
+  const bool can_be_alpha = bands == 2 || bands == 4;
+  for (int band = 1; band <= bands; ++band)
+    if (source.GetRasterBand(band)->GetColorInterpretation() == GCI_AlphaBand && !(can_be_alpha && band == bands) &&
+        !EQUAL(options.FetchNameValueDef("ALPHA", ""), "band"))
+      found.push_back("alpha becomes a band like the others; it is kept as the last one beside gray or RGB");
+  return found;
+}
+
+bool accepts(const char *name, GDALDataset &source, bool is_strict, const CPLStringList &options) {
   const int bands = source.GetRasterCount();
   if (!bands) {
     CPLError(CE_Failure, CPLE_NotSupported, "%s: the source has no bands", name);
@@ -73,12 +93,9 @@ bool accepts(const char *name, GDALDataset &source, bool is_strict) {
              name, joined(values).c_str());
     return false;
   }
-  const bool is_held = type == GDT_Byte || type == GDT_UInt16 || type == GDT_Float32;
-  if (!is_held && !lose(is_strict, name, std::string("samples of ") + GDALGetDataTypeName(type) + " become Float32"))
-    return false;
-  const int flags = source.GetRasterBand(1)->GetMaskFlags();
-  if (flags & (GMF_ALL_VALID | GMF_ALPHA | GMF_NODATA)) return true;
-  return lose(is_strict, name, "the mask is not kept; gdalwarp -dstalpha makes alpha of it, which is");
+  for (const std::string &what : losses(source, options))
+    if (!lose(is_strict, name, what)) return false;
+  return true;
 }
 
 // What GDAL has written in XML because TIFF has no tags for it, by GDAL's own names. Besides that, the XML repeats
@@ -229,7 +246,7 @@ const char *const kCreationOptions =
 
 GDALDataset *create_copy(const char *name, GDALDataset *source, bool is_strict, const CPLStringList &options,
                          GDALProgressFunc progress, void *user) {
-  if (!accepts(name, *source, is_strict)) return nullptr;
+  if (!accepts(name, *source, is_strict, options)) return nullptr;
   const bool is_virtual = STARTS_WITH(name, "/vsi");
   const std::string beside =
       is_virtual ? CPLGenerateTempFilename("sgicodec") : name + ("." + std::to_string(CPLGetPID()));

@@ -120,7 +120,7 @@ def test_a_mask_is_said_to_be_lost(gdal: Run, tmp_path: Path) -> None:
         with rasterio.open(source, "r+") as file:
             file.write_mask(field(1, "uint8")[0] > 90)
     said = create(gdal, source, tmp_path / "a.sgi")
-    assert "the mask is not kept; gdalwarp -dstalpha makes alpha of it" in said
+    assert "the mask is not kept; gdalwarp -dstalpha makes alpha of it, which is kept beside gray or RGB" in said
     assert len(said.splitlines()) == 1
     create(gdal, source, tmp_path / "b.sgi", "-strict", fails=True)
     gdal("gdalwarp", "-q", "-dstalpha", source, tmp_path / "alpha.tif")
@@ -128,6 +128,24 @@ def test_a_mask_is_said_to_be_lost(gdal: Run, tmp_path: Path) -> None:
     assert "c.sgi: sgi: the last band is declared as alpha" in said
     with sgicodec.open(tmp_path / "c.sgi") as stream:
         np.testing.assert_array_equal(stream.read()[..., 3] > 0, field(1, "uint8")[0] > 90)
+
+
+@pytest.mark.parametrize("bands", [3, 5])
+def test_alpha_beside_other_bands_is_said_to_become_a_band(bands: int, gdal: Run, tmp_path: Path) -> None:
+    source = geotiff(tmp_path / "a.tif", field(bands, "uint8"), photometric="minisblack", alpha="no")
+    with rasterio.open(source, "r+") as file:
+        file.colorinterp = [*(rasterio.enums.ColorInterp.undefined,) * (bands - 1), rasterio.enums.ColorInterp.alpha]
+    assert "alpha becomes a band like the others" in create(gdal, source, tmp_path / "a.sgi")
+    create(gdal, source, tmp_path / "b.sgi", "-strict", fails=True)
+    assert create(gdal, source, tmp_path / "b.sgi", "-strict", "-co", "ALPHA=band") == ""
+
+
+def test_a_palette_is_said_to_become_colours(gdal: Run, tmp_path: Path) -> None:
+    source = geotiff(tmp_path / "a.tif", field(1, "uint8") // 40, nodata=0)
+    with rasterio.open(source, "r+") as file:
+        file.write_colormap(1, {number: (40 * number, 90, 0, 255) for number in range(7)})
+    assert "a palette becomes its colours; class numbers" in create(gdal, source, tmp_path / "a.sgi")
+    create(gdal, source, tmp_path / "b.sgi", "-strict", fails=True)
 
 
 def test_what_goes_wrong(scene: Path, gdal: Run, tmp_path: Path) -> None:
