@@ -141,6 +141,10 @@ bool copied(GDALDataset &source, const Scratch &tiff, const char *name, bool is_
   // Samples of fewer bits would be stretched to all of their type.
   if (type == GDT_Byte || type == GDT_UInt16 || type == GDT_UInt32)
     options.SetNameValue("NBITS", std::to_string(GDALGetDataTypeSizeBits(type)).c_str());
+  // TIFF would have three colours and others, of which a stream makes bands without a meaning: so tags state colours.
+  const int bands = source.GetRasterCount();
+  if (bands > 4 || (bands == 4 && source.GetRasterBand(4)->GetColorInterpretation() != GCI_AlphaBand))
+    options.SetNameValue("PHOTOMETRIC", "MINISBLACK");
   GDALDriver *driver = GetGDALDriverManager()->GetDriverByName("GTiff");
   if (!driver) {
     CPLError(CE_Failure, CPLE_AppDefined, "%s: GDAL has no driver GTiff, which a copy is made with", name);

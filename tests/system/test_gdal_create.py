@@ -130,6 +130,14 @@ def test_a_mask_is_said_to_be_lost(gdal: Run, tmp_path: Path) -> None:
         np.testing.assert_array_equal(stream.read()[..., 3] > 0, field(1, "uint8")[0] > 90)
 
 
+@pytest.mark.parametrize("bands", [4, 5])
+def test_colours_beside_other_bands(bands: int, gdal: Run, tmp_path: Path) -> None:
+    source = geotiff(tmp_path / "a.tif", field(bands, "uint8"), photometric="rgb", alpha="no")
+    assert create(gdal, source, tmp_path / "a.sgi", "-strict") == ""
+    colours = ["Red", "Green", "Blue", "Undefined", "Undefined"][:bands]
+    assert [band["colorInterpretation"] for band in info(gdal, tmp_path / "a.sgi")["bands"]] == colours
+
+
 @pytest.mark.parametrize("bands", [3, 5])
 def test_alpha_beside_other_bands_is_said_to_become_a_band(bands: int, gdal: Run, tmp_path: Path) -> None:
     source = geotiff(tmp_path / "a.tif", field(bands, "uint8"), photometric="minisblack", alpha="no")
