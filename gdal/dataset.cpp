@@ -12,7 +12,9 @@ Dataset::Dataset(std::shared_ptr<Source> source, uint32_t level) : source_(std::
   for (int band = 1; band <= int(source_->info.channels); ++band) SetBand(band, new Band(this, band));
   oMDMD.SetMetadataItem("INTERLEAVE", "PIXEL", "IMAGE_STRUCTURE");
   oMDMD.SetMetadataItem("COMPRESSION", "SGICODEC", "IMAGE_STRUCTURE");
-  oMDMD.SetMetadataItem("COMPRESSION_REVERSIBILITY", "LOSSY", "IMAGE_STRUCTURE");
+  double error = -1;
+  const bool is_exact = !level && sgi_get_max_error(source_->stream.get(), &error) == SGI_OK && error == 0;
+  oMDMD.SetMetadataItem("COMPRESSION_REVERSIBILITY", is_exact ? "LOSSLESS" : "LOSSY", "IMAGE_STRUCTURE");
   if (level) return;
   for (uint32_t next = 1; next < source_->info.levels; ++next)
     overviews_.push_back(std::make_unique<Dataset>(source_, next));

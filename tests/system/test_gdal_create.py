@@ -60,6 +60,7 @@ def test_a_lossless_copy_is_the_source(scene: Path, gdal: Run, tmp_path: Path) -
     source, stream = info(gdal, scene), info(gdal, out)
     for key in ("size", "geoTransform", "coordinateSystem"):
         assert stream[key] == source[key]
+    assert stream["metadata"]["IMAGE_STRUCTURE"]["COMPRESSION_REVERSIBILITY"] == "LOSSLESS"
     assert stream["metadata"][""]["ACQUIRED"] == "2024-06-01"
     for given, found in zip(source["bands"], stream["bands"], strict=True):
         for key in ("type", "description", "scale", "noDataValue", "colorInterpretation"):
@@ -77,6 +78,7 @@ def test_loss_is_what_options_ask_for(scene: Path, gdal: Run, tmp_path: Path) ->
     with sgicodec.open(tmp_path / "a.sgi") as stream, rasterio.open(scene) as file:
         error = np.abs(stream.read().astype(int) - np.moveaxis(file.read(), 0, -1))
     assert 0 < error.max() <= 9
+    assert info(gdal, tmp_path / "a.sgi")["metadata"]["IMAGE_STRUCTURE"]["COMPRESSION_REVERSIBILITY"] == "LOSSY"
 
 
 def test_colours_and_alpha(gdal: Run, tmp_path: Path) -> None:
