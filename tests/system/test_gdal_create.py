@@ -168,6 +168,13 @@ def test_what_goes_wrong(scene: Path, gdal: Run, tmp_path: Path) -> None:
     assert [path.name for path in tmp_path.iterdir()] == ["scene.tif"]
 
 
+def test_options_state_no_defaults_of_the_command_line(gdal: Run) -> None:
+    options = gdal("gdalinfo", "--format", "SGICODEC").stdout.split("<Option ")
+    stated = [option for option in options if option.startswith(('name="QUALITY"', 'name="EFFORT"', 'name="RANGE"'))]
+    assert len(stated) == 3
+    assert not any("default" in option for option in stated)
+
+
 def test_other_file_systems_of_gdal(scene: Path, gdal: Run, tmp_path: Path) -> None:
     create(gdal, scene, f"/vsizip/{tmp_path}/a.zip/scene.sgi")
     assert info(gdal, f"/vsizip/{tmp_path}/a.zip/scene.sgi")["size"] == [80, 60]
