@@ -10,6 +10,7 @@
 #include <cmath>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace {
@@ -115,9 +116,11 @@ std::set<std::string> untagged(const CPLXMLNode *parent) {
   return names;
 }
 
-// A text without the name of a copy, which nobody knows.
-std::string without(std::string text, const std::string &copy) {
-  for (size_t at = 0; (at = text.find(copy + ": ", at)) != std::string::npos;) text.erase(at, copy.size() + 2);
+// What is said of a copy, which nobody knows, said of the output.
+std::string renamed(std::string text, const std::string &copy, const std::string &name) {
+  for (const auto &[from, to] : {std::pair<std::string, std::string>{copy + ": ", ""}, {copy, name}})
+    for (size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size())
+      text.replace(at, from.size(), to);
   return text;
 }
 
@@ -161,7 +164,7 @@ bool copied(GDALDataset &source, const Scratch &tiff, const char *name, bool is_
   CPLPopErrorHandler();
   GDALDestroyScaledProgress(scaled);
   for (const Message &message : messages)
-    CPLError(message.kind, message.number, "%s: %s", name, without(message.text, tiff.path).c_str());
+    CPLError(message.kind, message.number, "%s: %s", name, renamed(message.text, tiff.path, name).c_str());
   if (!is_made) return false;
   const std::string beside_it = tiff.path + ".aux.xml";
   VSIStatBufL status;
@@ -217,7 +220,7 @@ bool ran(const char *name, const CPLStringList &words) {
   for (char byte; CPLPipeRead(errors, &byte, 1);) said += byte;
   const int status = CPLSpawnAsyncFinish(process, TRUE, FALSE);
   while (!said.empty() && said.back() == '\n') said.pop_back();
-  said = without(said, words[words.Count() - 1]);
+  said = renamed(said, words[words.Count() - 1], name);
   if (status == 0) {
     if (!said.empty()) CPLError(CE_Warning, CPLE_AppDefined, "%s: %s", name, said.c_str());
     return true;

@@ -165,6 +165,7 @@ def test_what_goes_wrong(scene: Path, gdal: Run, tmp_path: Path) -> None:
     assert f"{tmp_path / 'nothing'}, which encodes, does not start; say where it is" in said
     said = create(gdal, scene, out, "-co", "QUALITY=500", fails=True)
     assert "sgi: " in said
+    assert "copy.tif" not in create(gdal, scene, tmp_path / "no" / "a.sgi", fails=True)
     assert [path.name for path in tmp_path.iterdir()] == ["scene.tif"]
 
 
