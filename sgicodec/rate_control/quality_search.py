@@ -15,7 +15,7 @@ MIN_QUALITY, MAX_QUALITY = -23.0, 146.0
 """Where λ is 4 and 2 · 10^-6: beyond what a user may name, for targets that lie there."""
 QUALITY_PER_OCTAVE = 8.0
 """Steps of quality that halve λ."""
-MAX_DRAFTS, MAX_STREAMS = 3, 8
+MAX_DRAFTS, MAX_STREAMS = 3, 12
 NEAR, MAX_MOVE = 3.0, 48.0
 """Steps of quality between two drafts below which no other is worth its time, and the most from one stream to the next
 while the target lies beyond all."""
@@ -33,7 +33,7 @@ def searched_quality(
     draft: Measure | None = None,
     ending: Callable[[], bool] = lambda: False,
 ) -> float:
-    """The quality of the stream that comes nearest to the target, of those that `measure` makes, eight at most; one
+    """The quality of the stream that comes nearest to the target, of those that `measure` makes, twelve at most; one
     that misses the target only if all do. draft: makes streams of less effort, None for none;
     ending: whether to end soon.
     """

@@ -99,6 +99,12 @@ def pictures() -> dict[str, tuple[Picture, EncodeSettings]]:
         "rgba8-sharp": (cut_out(forest), replace(luma, quality=40)),
         "rgba8-tiles-sharp": (cut_out(forest), replace(luma, quality=40, tile=100, overview=True)),
         "rgba8-drawing": (cut_out(drawing().pixels), EncodeSettings(quality=70)),
+        "rgba8-alpha-alone": (cut_out(forest, is_hard=True), replace(luma, quality=40)),
+        "gray16-near-nodata": (hole_in_twelve_bits(dark), replace(quick, max_error=3)),
+        "gray8-tiles-bare": (bare_gray(photo.pixels), replace(textured, quality=30, tile=340, apron=8)),
+        "paper-rgb8-tiles": (Picture(small, "rgb", (0.0, 255.0)), replace(paper, seeds=30, tile=64, apron=0)),
+        "rgb8-page-lossless": (page(), EncodeSettings(max_error=0)),
+        "rgb8-boxes-mixed": (boxes_of_text(forest), replace(luma, quality=30)),
         "one-pixel": (Picture(small[:1, :1], "rgb", (0.0, 255.0)), quick),
     }
 
@@ -110,10 +116,12 @@ def drawing() -> Picture:
     return Picture(np.ascontiguousarray(pixels.astype(np.uint8)), "rgb", (0.0, 255.0))
 
 
-def cut_out(colours: np.ndarray) -> Picture:
-    """Rings of it, whose edges are sharp."""
+def cut_out(colours: np.ndarray, is_hard: bool = False) -> Picture:
+    """Rings of it, whose edges are sharp; hard: alpha is 0 or 255, but for a pixel here and there."""
     y, x = np.mgrid[: colours.shape[0], : colours.shape[1]]
-    alpha = np.clip(128 + 300 * np.sin(np.hypot(x - 40, y - 30) / 6), 0, 255).astype(np.uint8)
+    slope = 1e9 if is_hard else 300
+    alpha = np.clip(128 + slope * np.sin(np.hypot(x - 40, y - 30) / 6), 0, 255).astype(np.uint8)
+    alpha[::19, ::23] //= 2
     return Picture(np.dstack([colours, alpha]), "rgba", (0.0, 255.0))
 
 
@@ -130,6 +138,40 @@ def beside_text(photo: np.ndarray, colours: int) -> Picture:
     page = np.rint(240 + (ink - 240) * lines[..., None])[:height, :width].astype(np.uint8)
     page[: photo.shape[0], : photo.shape[1]] = photo
     return Picture(page, "rgb", (0.0, 255.0))
+
+
+def letters_on(ground: np.ndarray, left: int, top: int, rows: int, columns: int, ink: tuple[int, int, int]) -> None:
+    """Draws so many rows of letters onto pixels, on white."""
+    rng = np.random.default_rng(rows + columns)
+    font = rng.random((20, 9, 6)) < 0.4
+    font[:, :, 5:] = font[:, 7:] = False
+    text = font[rng.integers(0, 20, (rows, columns))].transpose(0, 2, 1, 3).reshape(9 * rows, 6 * columns)
+    ground[top : top + 9 * rows, left : left + 6 * columns] = np.where(text[..., None], ink, 255)
+
+
+def page() -> Picture:
+    """A page with a few lines, most of it white."""
+    pixels = np.full((560, 700, 3), 255, np.uint8)
+    letters_on(pixels, 61, 40, 3, 40, (0, 0, 0))
+    letters_on(pixels, 333, 301, 2, 17, (160, 0, 20))
+    return Picture(pixels, "rgb", (0.0, 255.0))
+
+
+def boxes_of_text(photo: np.ndarray) -> Picture:
+    """A photograph with two boxes of letters that no cell begins with."""
+    pixels = np.ascontiguousarray(np.tile(photo, (2, 2, 1)))
+    letters_on(pixels, 37, 21, 9, 25, (0, 0, 60))
+    letters_on(pixels, 131, 149, 7, 33, (90, 0, 0))
+    return Picture(pixels, "rgb", (0.0, 255.0))
+
+
+def bare_gray(photo: np.ndarray) -> Picture:
+    """Gray with nodata within its range: a disc, and the right part, in which a tile lies as a whole."""
+    pixels = photo[100:400, :640, 1].copy()
+    pixels[pixels == 128] = 129
+    y, x = np.mgrid[:300, :640]
+    pixels[((y - 140) ** 2 + (x - 120) ** 2 < 90**2) | (x >= 256)] = 128
+    return Picture(pixels[..., None], "gray", (0.0, 255.0), blank=128.0)
 
 
 def bare_bands(photo: np.ndarray) -> Picture:

@@ -56,7 +56,8 @@ def test_what_is_read_is_written_again(name: str) -> None:
     header = open_stream(data).header
     for chunk in (decode_tile_chunk(header, payload) for letter, payload in split(data) if letter == "T"):
         own = header.of_tile(chunk.number)
-        assert chunk.model is not None
+        if chunk.model is None:  # a tile without content
+            continue
         model, _ = read_tile(own, chunk.model)
         attributes = {group.name: model.decoded_values[:, group.columns] for group in own.spec.groups}
         assert write_tile(own, replace(model, attributes=attributes, decoded=None))[0] == chunk.model
