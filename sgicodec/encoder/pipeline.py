@@ -105,6 +105,8 @@ def encode_picture(
     where = Path(output) if isinstance(output, str) else output
     with locked(where) if isinstance(where, Path) else nullcontext():
         request = Request(windows, plan, with_graphics, listener, device)
+        if plan.header.tile and not isinstance(picture, Picture):  # one tile is read at once
+            request = replace(request, check_unchanged=picture.check_unchanged)
         return _encoded(request, _Output(where, request.verified if verify else None), executor, store)
 
 
@@ -184,6 +186,7 @@ def _encoded(
     with one_blas_thread(), tiles.opened(lambda: fingerprint(plan, windows.digest())):
         streams = Streams(request, executor, tiles, _OverviewTask)
         finished, missed = (streams.of(plan), None) if request.target is None else streams.nearest(request.target)
+        request.check_unchanged()
         data, size, psnr = output.write(lambda file: finished.write(file, tiles))
         encoded = replace(_summary(data, size, finished, tiles), psnr=psnr)
     masked = plan.header.masked

@@ -47,6 +47,8 @@ class Request:
     divided: Callable[[Windows, Plan], Division]
     listener: NullListener
     device: Device
+    check_unchanged: Callable[[], None] = lambda: None
+    """Raises PictureError if the picture is no longer that of which tiles were made."""
 
     @property
     def target(self) -> RateTarget | None:
@@ -77,7 +79,9 @@ class Request:
     def verified(self, stream: bytes | Path | BinaryIO) -> float:
         """The PSNR of a finished stream. The listener gets to know."""
         self.listener.stage("verify")
-        return self.psnr(stream)
+        psnr = self.psnr(stream)
+        self.check_unchanged()
+        return psnr
 
     def score(self, stream: BinaryIO) -> float:
         """SSIMULACRA 2 of a finished stream."""

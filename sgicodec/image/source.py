@@ -52,6 +52,7 @@ class Source:
         self._is_scanned = False
         with naming(origin), ExitStack() as stack:
             self.path = stack.enter_context(on_disk(origin))
+            self._state = _state_of(self.path)
             self._opened: Opened = open_picture(self.path, any_size=True, alpha=alpha, page=page)
             stack.callback(lambda: self._opened.image.close())
             self._access: Access = access(self._opened, keeps)
@@ -73,6 +74,12 @@ class Source:
     def close(self) -> None:
         """Close the file; no window can be read any more."""
         self._stack.close()
+
+    def check_unchanged(self) -> None:
+        """Raises PictureError if the file is another one than when it was opened: windows may be of either."""
+        with naming(self._origin):
+            if _state_of(self.path) not in (None, self._state):
+                raise PictureError("the file has changed since it was opened; encode it again")
 
     @property
     def pages(self) -> int:
@@ -218,6 +225,15 @@ class Source:
         for y in range(0, self.height, rows):
             for x in range(0, self.width, columns):
                 yield x, y, min(columns, self.width - x), min(rows, self.height - y)
+
+
+def _state_of(path: Path) -> tuple[int, ...] | None:
+    """What tells a file from another one of its name, or from itself before it was changed; None where it is gone."""
+    try:
+        found = path.stat()
+    except OSError:
+        return None
+    return found.st_dev, found.st_ino, found.st_size, found.st_mtime_ns
 
 
 def open_source(

@@ -4,17 +4,19 @@ from __future__ import annotations
 
 import zlib
 from dataclasses import replace
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from data_files import crop
 from page_varint import decode_varint
 
-from sgicodec import Encoded, EncodeSettings, Picture, encode_picture
+from sgicodec import Encoded, EncodeSettings, NullListener, Picture, encode_picture, open_source, write
 from sgicodec.bitstream.container import SIGNATURE
 from sgicodec.decoder.stream import open_stream
 from sgicodec.device import Device
-from sgicodec.errors import CorruptStreamError
+from sgicodec.errors import CorruptStreamError, PictureError
 
 SETTINGS = EncodeSettings(steps=60, tile=128)
 NEAR = 8
@@ -105,3 +107,18 @@ def test_a_tile_of_other_symbols_is_named(coded: tuple[Picture, Encoded], thread
     data[end : end + 4] = zlib.crc32(data[head:end]).to_bytes(4, "little")
     with pytest.raises(CorruptStreamError, match="tile 4: "):
         open_stream(bytes(data), Device(threads)).picture()
+
+
+def test_a_file_that_changes_is_no_picture(tmp_path: Path) -> None:
+    """Tiles would be of either; nothing is written."""
+    path, out = tmp_path / "a.tif", tmp_path / "a.sgi"
+    picture = crop("kodim23", np.s_[:64, :160])
+    write(picture, path)
+
+    class Changing(NullListener):
+        def tile(self, state: Any) -> None:
+            write(replace(picture, pixels=picture.pixels[:, ::-1].copy()), path)
+
+    with open_source(path) as source, pytest.raises(PictureError, match="has changed since it was opened"):
+        encode_picture(source, EncodeSettings(steps=10, tile=64), output=out, progress=Changing())
+    assert not out.exists()
