@@ -91,7 +91,7 @@ def paper_phases(levels: int, steps: int, priced: bool = True) -> tuple[Phase, .
         last = min(count - free, round(RATE_SHARE * steps)) if level == 0 else 0
         phases += [Phase(free, level), Phase(count - free - last, level, "noise")]
         phases += [Phase(last, level, "noise", rate=True, learn_steps=True)]
-    return tuple(phase for phase in phases if phase.steps > 0)
+    return tuple(phase for phase in phases if phase.steps > 0) or (Phase(steps),)  # too few to share out
 
 
 def _spec(choices: Choices, channels: int) -> ModelSpec:

@@ -103,6 +103,8 @@ def pictures() -> dict[str, tuple[Picture, EncodeSettings]]:
         "gray16-near-nodata": (hole_in_twelve_bits(dark), replace(quick, max_error=3)),
         "gray8-tiles-bare": (bare_gray(photo.pixels), replace(textured, quality=30, tile=340, apron=8)),
         "paper-rgb8-tiles": (Picture(small, "rgb", (0.0, 255.0)), replace(paper, seeds=30, tile=64, apron=0)),
+        "rgb8-odd-tiles": (Picture(forest[:83, :101], "rgb", (0.0, 255.0)), replace(quick, tile=45, apron=7)),
+        "multi16-held-lossless": (held_bands(), replace(quick, max_error=0)),
         "rgb8-page-lossless": (page(), EncodeSettings(max_error=0)),
         "rgb8-boxes-mixed": (boxes_of_text(forest), replace(luma, quality=30)),
         "one-pixel": (Picture(small[:1, :1], "rgb", (0.0, 255.0)), quick),
@@ -150,10 +152,10 @@ def letters_on(ground: np.ndarray, left: int, top: int, rows: int, columns: int,
 
 
 def page() -> Picture:
-    """A page with a few lines, most of it white."""
+    """A page of single lines in eight colours, most of it white."""
     pixels = np.full((560, 700, 3), 255, np.uint8)
-    letters_on(pixels, 61, 40, 3, 40, (0, 0, 0))
-    letters_on(pixels, 333, 301, 2, 17, (160, 0, 20))
+    for line in range(30):
+        letters_on(pixels, 20 + 13 * line, 2 + 18 * line, 1, 24, (0, 0, line % 8 * 30))
     return Picture(pixels, "rgb", (0.0, 255.0))
 
 
@@ -163,6 +165,15 @@ def boxes_of_text(photo: np.ndarray) -> Picture:
     letters_on(pixels, 37, 21, 9, 25, (0, 0, 60))
     letters_on(pixels, 131, 149, 7, 33, (90, 0, 0))
     return Picture(pixels, "rgb", (0.0, 255.0))
+
+
+def held_bands() -> Picture:
+    """Bands of noise, in one of which some of it is nodata, and below it steps without any."""
+    rng, (y, x) = np.random.default_rng(3), np.mgrid[:70, :64]
+    pixels = np.stack([1000 + 300 * ((x // 9 + y // 7 + band) % 3) + x // 20 * 17 for band in range(3)], axis=2)
+    pixels[:8] = rng.integers(900, 2000, (8, 64, 3))
+    pixels[:8, :40, 2] = 0
+    return Picture(pixels.astype(np.uint16), "multi", (900.0, 2000.0), blank=0.0)
 
 
 def bare_gray(photo: np.ndarray) -> Picture:

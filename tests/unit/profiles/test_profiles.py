@@ -52,3 +52,9 @@ def test_the_published_schedule() -> None:
     ]
     assert [count for _, count, _, _ in lengths(1, 15_000)] == [1500, 7500, 6000]
     assert not any(rounding == "noise" for _, _, rounding, _ in lengths(3, 15_000, lmbda=0.0))
+
+
+@pytest.mark.parametrize("steps", [1, 2, 5])
+def test_few_steps_are_made_at_full_size(steps: int) -> None:
+    assert sum(count for _, count, _, _ in lengths(3, steps)) >= 1
+    assert lengths(3, steps)[-1][0] == 0
