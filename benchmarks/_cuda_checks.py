@@ -27,7 +27,7 @@ from sgicodec.profiles.paper import paper_settings, paper_spec
 from sgicodec.raster.backend import Loss
 from sgicodec.raster.cpu import NativeRasterizer
 from sgicodec.raster.cuda import CudaRasterizer
-from sgicodec.raster.reference import ReferenceRasterizer
+from tests.support.reference_raster import ReferenceRasterizer
 
 __all__ = [
     "NotRunError",

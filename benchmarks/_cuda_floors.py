@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from benchmarks.raster import Scene, pairs_within
 from sgicodec.cuda import tiles
 from sgicodec.cuda.gpu import Gpu
-from sgicodec.raster import DEFAULT_CUTOFF
+from sgicodec.raster.backend import DEFAULT_CUTOFF
 
 __all__ = ["H200", "Counts", "Floor", "Peak", "counts_of", "floors", "peak_of"]
 

@@ -15,7 +15,8 @@ from benchmarks._turns import median_seconds
 from sgicodec import _native
 from sgicodec.device import Device
 from sgicodec.model.morton import morton
-from sgicodec.raster import DEFAULT_CUTOFF, NativeRasterizer
+from sgicodec.raster.backend import DEFAULT_CUTOFF
+from sgicodec.raster.cpu import NativeRasterizer
 
 __all__ = ["Scene", "Speed", "backward_operations", "forward_operations", "main", "measure", "pairs_within"]
 

@@ -18,10 +18,9 @@ namespace {
 // The symbols nearest to values, but for a lean towards zero.
 class Quantiser : public sgi::AttributeSymbols {
  public:
-  // values [N, width]; leans: by scale index, of steps; inputs: of each group's network, whose inputs are kept; or
-  // none.
-  Quantiser(const double *values, int64_t width, const double *leans, int first_table, std::vector<int> inputs)
-      : values_(values), width_(width), leans_(leans), first_table_(first_table), inputs_(std::move(inputs)) {}
+  // values [N, width]; leans: by scale index, of steps.
+  Quantiser(const double *values, int64_t width, const double *leans, int first_table)
+      : values_(values), width_(width), leans_(leans), first_table_(first_table) {}
 
   sgi::Reading code(const sgi::AttributeRun &run, int32_t *symbols) override {
     const int64_t size = run.group.size();
@@ -32,16 +31,8 @@ class Quantiser : public sgi::AttributeSymbols {
       symbols[i] = int32_t(std::copysign(std::min(size_of, double(sgi::kMaxMagnitude)), position));
     }
     const auto count = size_t(run.count());
-    runs.push_back({run.number,
-                    size_t(size),
-                    sgi::copy(symbols, count),
-                    sgi::copy(run.tables, count),
-                    sgi::copy(run.step, count),
-                    {}});
-    for (size_t i = 0; i < run.members.size() && !inputs_.empty(); ++i) {
-      const int16_t *row = run.inputs + int64_t(i) * run.stride;
-      runs.back().inputs.insert(runs.back().inputs.end(), row, row + inputs_[run.number]);
-    }
+    runs.push_back({run.number, size_t(size), sgi::copy(symbols, count), sgi::copy(run.tables, count),
+                    sgi::copy(run.step, count)});
     return sgi::Reading::kSound;
   }
 
@@ -50,14 +41,11 @@ class Quantiser : public sgi::AttributeSymbols {
     std::vector<int32_t> symbols;
     std::vector<int16_t> tables;
     std::vector<int64_t> steps;
-    std::vector<int16_t> inputs;
 
     auto arrays() && {
       const std::array shape{symbols.size() / size, size};
-      const std::array seen{shape[0], shape[0] ? inputs.size() / shape[0] : 0};
       return std::tuple(number, as_array<int32_t>(std::move(symbols), shape),
-                        as_array<int16_t>(std::move(tables), shape), as_array<int64_t>(std::move(steps), shape),
-                        as_array<int16_t>(std::move(inputs), seen));
+                        as_array<int16_t>(std::move(tables), shape), as_array<int64_t>(std::move(steps), shape));
     }
   };
   std::vector<Run> runs;
@@ -67,12 +55,11 @@ class Quantiser : public sgi::AttributeSymbols {
   int64_t width_;
   const double *leans_;
   int first_table_;
-  std::vector<int> inputs_;
 };
 
 auto quantise_attributes(const nb::bytes &header, Array<const int32_t, 2> corner, Array<const int8_t, 1> log_size,
                          const sgi::Plan &plan, const sgi::NetworkArrays &networks, Array<const uint8_t, 1> signs,
-                         Array<const double, 2> values, Array<const double, 1> leans, bool with_inputs, int threads,
+                         Array<const double, 2> values, Array<const double, 1> leans, int threads,
                          const std::string &isa) {
   sgi::SeedCoding coding(header, corner, log_size, plan, networks, isa);
   const sgi::ModelSpec &spec = coding.header.spec;
@@ -84,10 +71,7 @@ auto quantise_attributes(const nb::bytes &header, Array<const int32_t, 2> corner
   for (const int64_t level : grid.counts()) expected += level;
   require(int64_t(signs.shape(0)) == expected, "signs of every resolution of the hash grid");
   if (expected) coding.model.grid = &grid, coding.model.grid_signs = signs.data();
-  std::vector<int> inputs;
-  for (const sgi::AttributeStep &step : coding.model.steps)
-    if (with_inputs) inputs.insert(inputs.end(), step.groups.size(), step.inputs);
-  Quantiser quantiser(values.data(), int64_t(width), leans.data(), coding.model.first_table, std::move(inputs));
+  Quantiser quantiser(values.data(), int64_t(width), leans.data(), coding.model.first_table);
   std::vector<int64_t> decoded(count * width);
   {
     const nb::gil_scoped_release release;
@@ -130,8 +114,6 @@ void bind_attributes(nb::module_ &m) {
         "there\n"
         "is none.");
   m.def("quantise_attributes", &quantise_attributes, "header"_a, "corner"_a, "log_size"_a, "plan"_a, "networks"_a,
-        "signs"_a, "values"_a, "leans"_a, "with_inputs"_a, "threads"_a, "isa"_a,
-        "What values [N, d_A] decode to, in 2^-24, and in coding order numbers of groups, symbols, tables, steps and, "
-        "if\n"
-        "they are asked for, inputs of their network.");
+        "signs"_a, "values"_a, "leans"_a, "threads"_a, "isa"_a,
+        "What values [N, d_A] decode to, in 2^-24, and in coding order numbers of groups, symbols, tables and steps.");
 }

@@ -43,7 +43,6 @@ void bind_constants(nb::module_ &m) {
   for (const auto &[name, value] : {std::pair{"DEAD_ZONE", sgi::kDeadZone},
                                     {"DEAD_ZONE_LIMIT", sgi::kDeadZoneLimit},
                                     {"MIN_VARIANCE", sgi::kMinVariance},
-                                    {"PIXEL_VARIANCE", sgi::kPixelVariance},
                                     {"SHAPE_LIMIT", sgi::kShapeLimit},
                                     {"MIN_MASS", sgi::kMinMass}})
     m.attr(name) = value;

@@ -206,8 +206,8 @@ class AttributeWalk {
     const AttributeStep &step = model_.steps[s];
     for (size_t g = 0; g < step.groups.size(); ++g) {
       Coded &coded = coded_[s][g];
-      const AttributeRun run{number++,          step.groups[g],      members,        coded.mean.data(),
-                             coded.step.data(), coded.tables.data(), inputs_.data(), stride_};
+      const AttributeRun run{number++,          step.groups[g],    members,
+                             coded.mean.data(), coded.step.data(), coded.tables.data()};
       const size_t first = symbols_.size();
       symbols_.resize(first + size_t(run.count()));  // within what was reserved: pointers stay good
       coded.symbols = symbols_.data() + first;

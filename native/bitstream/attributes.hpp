@@ -62,8 +62,6 @@ struct AttributeRun {
   const std::vector<int64_t> &members;
   const int64_t *mean, *step;  // [n, size]
   const int16_t *tables;       // [n, size]
-  const int16_t *inputs;       // what the network saw: rows `stride` apart
-  int64_t stride;
 
   int64_t count() const { return int64_t(members.size()) * group.size(); }
 };

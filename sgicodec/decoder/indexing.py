@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from types import EllipsisType
-from typing import Any, SupportsIndex
+from typing import Any
 
 from sgicodec.decoder.view import Region
 from sgicodec.errors import RegionError, UsageError
 
 __all__ = ["indexed_region"]
-
-_Index = SupportsIndex | slice
 
 
 def indexed_region(key: Any, shape: tuple[int, ...]) -> tuple[Region, tuple[int | slice, ...]]:

@@ -4,10 +4,10 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from reference_raster import rasterize_reference
 
 from sgicodec.device import Device
 from sgicodec.raster.cpu import NativeRasterizer
-from sgicodec.raster.reference import rasterize_reference
 
 F32 = NDArray[np.float32]
 F64 = NDArray[np.float64]

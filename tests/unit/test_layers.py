@@ -20,7 +20,10 @@ HOMES = {
     "constriction": ("sgicodec/bitstream/entropy/",),
     "OpenImageIO": ("sgicodec/image/",),
     "torch": ("tools/", "benchmarks/_cuda_reference.py", "sgicodec/metrics/learned.py"),
-    "tests": ("tools/train_prior.py",),  # the fit's step in torch
+    "tests": (
+        "tools/train_prior.py",
+        "benchmarks/_cuda_checks.py",
+    ),  # the fit's step in torch, the rasteriser's in numpy
     "torchmetrics": ("sgicodec/metrics/learned.py",),
     "torchvision": ("sgicodec/metrics/learned.py",),
     "rich": ("sgicodec/cli/", "sgicodec/bench/", "benchmarks/"),

@@ -106,8 +106,7 @@ def quantise_attributes(
         np.concatenate(signs).astype(np.uint8) if signs else np.empty(0, np.uint8),
         np.concatenate([values[name] for name in names], axis=1, dtype=np.float64),
         np.minimum(dead_zone * 2.0**octaves, DEAD_ZONE_LIMIT),
-        False,
         ONE_THREAD.threads,
         ONE_THREAD.isa,
     )
-    return QuantisedAttributes(decoded, [SymbolRun(names[run[0]], *run[1:4]) for run in runs])
+    return QuantisedAttributes(decoded, [SymbolRun(names[run[0]], *run[1:]) for run in runs])

@@ -27,8 +27,6 @@ class EncodedTile:
     part_bytes: dict[str, float]
     """What each part of it costs."""
     seeds: int
-    seconds: float
-    """That it took, 0 before it is known."""
     length: int
     """Bytes of the payload, which may not be here."""
     lmbda: float
@@ -73,7 +71,7 @@ def _encoded(
     if stream_header.masked is not None or stream_header.has_exact:
         parts["mask"] = len(payload) - len(coded or b"")
     stated = header if tile.is_only else None
-    return EncodedTile(payload, parts, seeds, 0.0, len(payload), lmbda, header=stated)
+    return EncodedTile(payload, parts, seeds, len(payload), lmbda, header=stated)
 
 
 def _chunk(tile: Tile, header: Header, number: int, coded: bytes | None) -> bytes:

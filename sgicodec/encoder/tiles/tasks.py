@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from dataclasses import dataclass, replace
 from typing import Protocol, TypeVar
 
@@ -35,14 +34,13 @@ class FitTask:
 
     def __call__(self, number: int, window: Picture, device: Device) -> EncodedTile:
         """Encodes the pixels that the tile covers, apron included."""
-        began, listener = time.monotonic(), self.listener or TileListener()
+        listener = self.listener or TileListener()
         listener.stage("prepare")
         tile = tile_of(window, self.plan, device, number, listener=listener)
         encoded = write_nothing(tile) if tile.holds_nothing else write(encode(tile))
         watch = tile.watch
         return replace(
             encoded,
-            seconds=time.monotonic() - began,
             steps=watch.steps,
             ended_early=watch.is_short or watch.ending(),
             fitted_by=watch.fitted_by,

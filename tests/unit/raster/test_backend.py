@@ -12,6 +12,7 @@ from examples import examples
 from fake_cuda import fake_gpu
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
+from reference_raster import ReferenceRasterizer, rasterize_reference, rasterize_reference_backward
 from scenes import (
     ISAS,
     Scene,
@@ -26,10 +27,9 @@ from scenes import (
 
 from sgicodec.device import Device
 from sgicodec.errors import UsageError
-from sgicodec.raster import NativeRasterizer, ReferenceRasterizer
 from sgicodec.raster.backend import Loss
+from sgicodec.raster.cpu import NativeRasterizer
 from sgicodec.raster.cuda import CudaRasterizer
-from sgicodec.raster.reference import rasterize_reference, rasterize_reference_backward
 
 FORWARD, BACKWARD = 4e-5, 8e-5  # rounding, relative to the sum of magnitudes
 WIDE = 6.0  # cutoff at which what is left out is below rounding: exp(−18) = 1.5e-8

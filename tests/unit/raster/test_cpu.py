@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from reference_raster import rasterize_reference
 from scenes import (
     ISAS,
     exact,
@@ -14,7 +15,6 @@ from scenes import (
 
 from sgicodec.device import Device
 from sgicodec.raster.cpu import NativeRasterizer
-from sgicodec.raster.reference import rasterize_reference
 
 FORWARD = 4e-5  # rounding, relative to the sum of magnitudes
 

@@ -4,10 +4,10 @@ import math
 
 import numpy as np
 import pytest
+from reference_raster import ReferenceRasterizer, rasterize_reference, rasterize_reference_backward
 from scenes import exact, random_scene
 
 from sgicodec.raster.backend import Loss
-from sgicodec.raster.reference import ReferenceRasterizer, rasterize_reference, rasterize_reference_backward
 
 ORIGIN = (-3, 5)
 

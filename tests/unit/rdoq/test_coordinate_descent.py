@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from reference_raster import rasterize_reference
 from rough_models import stage
 from scenes import ISAS
 
 from sgicodec.bitstream.parts.tile import TileModel, quantise, write_tile
 from sgicodec.model.gaussians import gaussians_from_seeds
-from sgicodec.raster.reference import rasterize_reference
 from sgicodec.rdoq import Objective, RdoqSettings
 from sgicodec.rdoq import coordinate_descent as descent
 from sgicodec.rdoq.coordinate_descent import descend

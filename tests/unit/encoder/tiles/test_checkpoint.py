@@ -25,7 +25,7 @@ MARK = bytes(range(32))
 
 def tile(number: int) -> EncodedTile:
     payload = bytes([number]) * (100 + number)
-    return EncodedTile(payload, {"colour": 1.5 * number}, number, 0.25, 0.5, len(payload), 0.01)
+    return EncodedTile(payload, {"colour": 1.5 * number}, number, len(payload), 0.01)
 
 
 @contextmanager
@@ -94,7 +94,7 @@ from sgicodec.encoder.tile.writing import EncodedTile
 checkpoint = Checkpoint(Path(sys.argv[1]))
 with checkpoint.opened(lambda: bytes(range(32))):
     for number in range(10**9):
-        checkpoint.add(Version(number), EncodedTile(bytes([number % 256]) * 9000, {}, 1, 0.0, 0.0, 9000, 0.1))
+        checkpoint.add(Version(number), EncodedTile(bytes([number % 256]) * 9000, {}, 1, 9000, 0.1))
         print(number, flush=True)
 """
 

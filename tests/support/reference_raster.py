@@ -1,4 +1,4 @@
-"""The reference back end: a dense sum in float64, slow and simple, which tests compare every back end with."""
+"""A reference of the rasteriser: a dense sum in float64, slow and simple, with which every back end is compared."""
 
 from __future__ import annotations
 
