@@ -5,7 +5,7 @@ from __future__ import annotations
 import struct
 
 from sgicodec.errors import PictureError
-from sgicodec.metadata import avif, ifd, jpeg, jxl, pages, png
+from sgicodec.metadata import avif, geo, ifd, jpeg, jxl, pages, png
 from sgicodec.metadata.filebytes import Bytes
 
 __all__ = ["are_foreign", "left_behind"]
@@ -27,7 +27,8 @@ _PHOTOSHOP, _OF_IPTC, _MORE_PICTURES = b"Photoshop 3.0\0", b"8BIM\x04\x04", b"MP
 _APP1, _APP2, _APP13, _COMMENT = 0xE1, 0xE2, 0xED, 0xFE
 _MOTION = (b'MotionPhoto="1"', b'MicroVideo="1"')
 _FRAMES = {*range(0xC0, 0xD0)} - {0xC4, 0xC8, 0xCC}
-_PHOTOMETRIC, _TIFF_IPTC, _TIFF_PHOTOSHOP, _TIFF_LAYERS, _SEPARATED = 262, 33723, 34377, 37724, 5
+_PHOTOMETRIC, _COLOUR_TABLE, _TIFF_IPTC, _TIFF_PHOTOSHOP, _TIFF_LAYERS = 262, 320, 33723, 34377, 37724
+_SHORT, _PALETTE, _SEPARATED = 3, 3, 5
 
 
 def left_behind(data: Bytes) -> list[str]:
@@ -98,11 +99,24 @@ def _of_jpeg(data: Bytes) -> list[str]:
 
 
 def _of_tiff(data: Bytes) -> list[str]:
-    entries = ifd.entries(data, {_PHOTOMETRIC, _TIFF_IPTC, _TIFF_PHOTOSHOP, _TIFF_LAYERS})
-    photometric, photoshop = entries.get(_PHOTOMETRIC), entries.get(_TIFF_PHOTOSHOP)
-    found = [_INKS] if photometric is not None and photometric.short == _SEPARATED else []
+    wanted = {_PHOTOMETRIC, _COLOUR_TABLE, _TIFF_IPTC, _TIFF_PHOTOSHOP, _TIFF_LAYERS, geo.GDAL_NODATA}
+    entries = ifd.entries(data, wanted)
+    stated, photoshop = entries.get(_PHOTOMETRIC), entries.get(_TIFF_PHOTOSHOP)
+    photometric = None if stated is None else stated.short
+    found = [_INKS] if photometric == _SEPARATED else []
+    if photometric == _PALETTE:
+        found += [_palette(entries.get(_COLOUR_TABLE)), *["nodata value"] * (geo.GDAL_NODATA in entries)]
+    elif _COLOUR_TABLE in entries:
+        found.append("its colour table")
     if _TIFF_IPTC in entries or (photoshop is not None and _OF_IPTC in photoshop.data):
         found.append(_IPTC)
     if _TIFF_LAYERS in entries:
         found.append("layers")
     return [*found, "a mask"] if pages.has_mask(data) else found
+
+
+def _palette(table: ifd.Entry | None) -> str:
+    """What becomes of the classes that samples of a palette are. table: its colours, of 16 bits."""
+    levels = table.data if table is not None and table.kind == _SHORT else b""
+    is_rounded = any(level % 256 and level % 257 for (level,) in struct.iter_unpack("<H", levels))
+    return f"palette (RGB{' of 8 bits' if is_rounded else ''} instead)"
