@@ -3,26 +3,39 @@
 from __future__ import annotations
 
 import os
+import re
 from pathlib import Path
 
 __all__ = ["files_beside"]
 
-_SAYS_MORE = (b"<GeoTransform", b"<SRS", b"<GCPList", b"<NoDataValue")
-"""In GDAL's `.aux.xml`, which holds statistics alone beside most pictures."""
+_IDLE = re.compile(
+    rb"""<Metadata\s+domain="IMAGE_STRUCTURE".*?</Metadata>|<MDI\s+key="(?:STATISTICS_|AREA_OR_POINT")""", re.DOTALL
+)
+_SAYS_MORE = re.compile(
+    rb"<(GeoTransform|SRS|GCPList|NoDataValue|Scale|Offset|UnitType|Description|CategoryNames|ColorTable"
+    rb"|GDALRasterAttributeTable|MDI|Metadata[^>]*\sformat)\b"
+)
+"""In GDAL's `.aux.xml`: what says nothing of the picture itself, beside most pictures statistics alone; what does."""
 _MAX_AUX = 1 << 20
+_OWN, _AUX = (".wld", ".prj", ".xmp", "_rpc.txt", ".rpb"), ".aux.xml"
+"""What follows the name without its ending, besides world files; what follows the whole name."""
 
 
 def files_beside(path: Path) -> list[str]:
-    """Their names: world files (`.tfw`, `.tifw`, `.wld`), `.prj`, `.aux.xml` that says more than statistics, `.msk`,
-    `.xmp`.
+    """Their names, in any case: world files (`.tfw`, `.tifw`, `.wld`), `.prj`, `.xmp`, `_RPC.TXT`, `.rpb`, `.msk`,
+    `.aux.xml` that says more than statistics.
     """
-    ending = path.suffix[1:]
-    own = [f"{ending[0]}{ending[-1]}w", f"{ending}w", "wld", "prj", "xmp"] if ending else []
-    names = [path.with_suffix(f".{name}") for name in own]
-    names += [path.with_name(f"{path.name}{more}") for more in (".msk", ".xmp")]
-    aux = path.with_name(f"{path.name}.aux.xml")
-    found = [name for name in names if name.is_file()] + [aux] * _says_more(aux)
-    return [os.fsencode(name.name).decode("utf-8", "replace") for name in found]
+    stem, ending = path.stem, path.suffix[1:]
+    own = [f".{ending[0]}{ending[-1]}w", f".{ending}w", *_OWN] if ending else []
+    wanted = [*(f"{stem}{more}" for more in own), *(f"{path.name}{more}" for more in (".msk", ".xmp", _AUX))]
+    lowered = {name.lower() for name in wanted}
+    try:
+        names = sorted(name for name in os.listdir(path.parent) if name.lower() in lowered)
+    except OSError:  # a folder whose files can be opened, not listed
+        names = wanted
+    files = [path.with_name(name) for name in names]
+    found = [file for file in files if file.is_file() and (file.suffix.lower() != ".xml" or _says_more(file))]
+    return [os.fsencode(file.name).decode("utf-8", "replace") for file in found]
 
 
 def _says_more(aux: Path) -> bool:
@@ -31,4 +44,4 @@ def _says_more(aux: Path) -> bool:
             text = file.read(_MAX_AUX)
     except OSError:
         return False
-    return any(word in text for word in _SAYS_MORE)
+    return _SAYS_MORE.search(_IDLE.sub(b"", text)) is not None
