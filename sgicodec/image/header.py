@@ -21,6 +21,7 @@ __all__ = [
     "Probe",
     "has_own_numbers",
     "header",
+    "holds_shifted_uint16",
     "is_associated",
     "is_white_zero",
     "number_as_read",
@@ -35,6 +36,7 @@ _WHITE_IS_ZERO, _GRAY, _RGB, _YCBCR = 0, 1, 2, 6
 _LAB_PHOTOMETRICS = (8, 9, 10)
 _FLOATS = ("half", "float", "double")
 _INTEGERS = ("int8", "int16", "int", "uint")
+_UINT16_ZERO = 1 << 15
 
 _ASSOCIATED = ("openexr", "tiff")
 """Formats that store premultiplied alpha unless OpenImageIO says that this file does not."""
@@ -75,7 +77,7 @@ def header(spec: ImageSpec, kind: str, last: Last = "alpha") -> Probe:
     formats = {str(sample) for sample in spec.channelformats} or {str(spec.format)}
     if not (len(formats) == 1 or formats <= set(_FLOATS)):
         raise PictureError(f"its channels mix {' and '.join(sorted(formats))} samples; save them as one type")
-    native = str(spec.format)
+    native = "uint16" if holds_shifted_uint16(spec, kind) else str(spec.format)
     if native not in ("uint8", "uint16", *_INTEGERS, *_FLOATS):
         raise PictureError(f"its samples are of type {native}; save it with 8, 16 or 32 bits per sample")
     if is_white_zero(spec) and native not in ("uint8", "uint16"):
@@ -102,6 +104,20 @@ def _layout(spec: ImageSpec, kind: str) -> str:
         case 4 if spec.channelnames[3] == "A":
             return "rgba"
     return "multi"
+
+
+def holds_shifted_uint16(spec: ImageSpec, kind: str) -> bool:
+    """Whether a FITS file holds unsigned integers of 16 bits as signed ones, less 32768 (FITS 4.0, 5.2.5).
+
+    Raises PictureError for other scales and offsets, which OpenImageIO does not apply.
+    """
+    zero, scale = (spec.get_float_attribute(name, usual) for name, usual in (("Bzero", 0), ("Bscale", 1)))
+    if kind != "fits" or (zero, scale) == (0, 1):
+        return False
+    if (zero, scale) != (_UINT16_ZERO, 1) or str(spec.format) != "int16":
+        values = f"BSCALE {scale:.7g} and BZERO {zero:.7g}"
+        raise PictureError(f"{values} of its samples are not applied; save the numbers that they stand for as floats")
+    return True
 
 
 def orientation(spec: ImageSpec, kind: str) -> int:

@@ -16,13 +16,17 @@ _KEPT_ELSEWHERE = {"jpeg", "jpegxl", "png", "tiff", "webp"}
 _IDLE = {
     "compression",
     "planarconfig",
+    "Bscale",
+    "Bzero",
     "DateTime",
     "Orientation",
     "Software",
     "screenWindowCenter",
     "screenWindowWidth",
 }
-"""Attributes that say nothing of the picture itself, as do those of a format's own that OpenImageIO names."""
+"""Attributes that say nothing of the picture itself or are applied, as are those of a format's own that OpenImageIO
+names.
+"""
 _USUAL = {"PixelAspectRatio": (1.0,), "chromaticities": (0.64, 0.33, 0.3, 0.6, 0.15, 0.06, 0.3127, 0.329)}
 _PLAIN_NAMES = {"r", "g", "b", "a", "y", "red", "green", "blue", "alpha", "i", "channel"}
 _MAX_NAMES = 6

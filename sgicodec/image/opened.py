@@ -23,6 +23,7 @@ from sgicodec.image.header import (
     Probe,
     has_own_numbers,
     header,
+    holds_shifted_uint16,
     is_associated,
     is_white_zero,
     number_as_read,
@@ -89,7 +90,9 @@ class Opened:
 
     @property
     def native(self) -> np.dtype[Any]:
-        """The type of stored samples."""
+        """The type of stored samples, as `samples` gives them."""
+        if holds_shifted_uint16(self.spec, self.kind):
+            return np.dtype(np.uint16)
         name = str(self.spec.format)
         return np.dtype(_NUMPY_NAMES.get(name, name))
 
@@ -141,7 +144,8 @@ class Opened:
         found = early or complaint(self.image, self.path)
         if pixels is None or found:
             raise PictureError(found or "its pixels cannot be read; the file is damaged or cut off")
-        return np.asarray(pixels).reshape(rows, -1, self.spec.nchannels)
+        stored = np.asarray(pixels).reshape(rows, -1, self.spec.nchannels)
+        return stored.view(np.uint16) ^ np.uint16(1 << 15) if holds_shifted_uint16(self.spec, self.kind) else stored
 
     def finished(self, stored: Samples) -> Samples:
         """Stored samples of the picture, or of a part, as `Picture` wants them: upright, alpha unassociated."""

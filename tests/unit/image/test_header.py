@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import re
 import struct
 from pathlib import Path
 
@@ -46,6 +47,32 @@ def test_other_sample_types_become_float(tmp_path: Path, name: str) -> None:
     assert picture.pixels.dtype == np.float32
     assert picture.pixels.ravel().tolist() == [-3.0, 0.0, 5.0, 100.0]
     assert picture.sample_range == (-3.0, 100.0)
+
+
+def fits(stored: np.ndarray, **cards: object) -> bytes:
+    """A FITS file of integers [H, W]."""
+    sizes = {"NAXIS": 2, "NAXIS1": stored.shape[1], "NAXIS2": stored.shape[0]}
+    cards = {"SIMPLE": "T", "BITPIX": 8 * stored.itemsize, **sizes, **cards}
+    header = "".join(f"{name:8}= {value:>20}".ljust(80) for name, value in cards.items()) + "END"
+    samples = stored.astype(stored.dtype.newbyteorder(">")).tobytes()
+    return header.ljust(2880).encode() + samples.ljust(-(-len(samples) // 2880) * 2880, b"\0")
+
+
+@pytest.mark.parametrize("zero", [32768, "3.2768E4"])
+def test_unsigned_integers_of_fits(zero: object) -> None:
+    numbers = np.array([[0, 1, 32767], [32768, 40000, 65535]], np.uint16)
+    file = fits((numbers ^ 32768).view(np.int16), BZERO=zero, BSCALE=1)
+    np.testing.assert_array_equal(read(file).pixels[::-1, :, 0], numbers)  # the first row is the lowest
+    with open_source(file) as source:
+        assert (source.dtype, source.notes) == (np.uint16, ())
+
+
+@pytest.mark.parametrize(
+    ("dtype", "zero", "scale"), [("i2", 273.15, 0.01), ("i2", 0, 2), ("i4", 1 << 31, 1), ("u1", -128, 1)]
+)
+def test_fits_in_other_scales(dtype: str, zero: float, scale: float) -> None:
+    with pytest.raises(PictureError, match=re.escape(f"BSCALE {scale:.7g} and BZERO {zero:.7g} of")):
+        read(fits(np.ones((2, 2), dtype), BZERO=zero, BSCALE=scale))
 
 
 def test_few_bits_fill_the_type() -> None:
