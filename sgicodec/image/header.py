@@ -26,13 +26,13 @@ __all__ = [
     "is_white_zero",
     "number_as_read",
     "orientation",
-    "stretched_bits",
+    "renumbered",
 ]
 
 MAX_SAMPLES = 1 << 31
 """Default cap on width × height × channels of what is held in memory at once."""
 
-_WHITE_IS_ZERO, _GRAY, _RGB, _YCBCR = 0, 1, 2, 6
+_WHITE_IS_ZERO, _GRAY, _RGB, _PALETTE, _YCBCR = 0, 1, 2, 3, 6
 _LAB_PHOTOMETRICS = (8, 9, 10)
 _FLOATS = ("half", "float", "double")
 _INTEGERS = ("int8", "int16", "int", "uint")
@@ -148,10 +148,21 @@ def has_own_numbers(spec: ImageSpec) -> bool:
     return not stretched and _photometric(spec) in (_GRAY, _RGB, _YCBCR)
 
 
-def stretched_bits(spec: ImageSpec) -> int:
-    """Bits of samples, 9 to 15, that come stretched to 16; else 0."""
+def renumbered(spec: ImageSpec, kind: str) -> str:
+    """What numbers samples come as, in words, where they have few bits or 0 is white; empty if these are their own.
+    Less than 8 bits are levels of a screen in other formats than TIFF, whose numbers mean nothing.
+    """
     bits = int(spec.get_int_attribute("oiio:BitsPerSample", 0))
-    return bits if str(spec.format) == "uint16" and 8 < bits < 16 else 0
+    full = 8 * spec.format.size()
+    if str(spec.format) not in ("uint8", "uint16") or not 0 < bits <= full or _photometric(spec) == _PALETTE:
+        return ""
+    if (full == 8 and kind != "tiff") or (bits == full and not is_white_zero(spec)):
+        return ""
+    (times, rest), largest = divmod((1 << full) - 1, (1 << bits) - 1), (1 << full) - 1
+    factor = f" · {largest} / {(1 << bits) - 1} rounded down" if rest else f" · {times}" if times > 1 else ""
+    white = f"{largest} − " if is_white_zero(spec) else ""
+    few = f"of its {bits} bit{'s' * (bits > 1)} become {full} bits," if bits < full else "become"
+    return f"samples v {few} {white}v{factor}"
 
 
 def number_as_read(value: float, spec: ImageSpec) -> float | None:

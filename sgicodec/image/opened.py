@@ -43,6 +43,7 @@ from sgicodec.image.sniffed import SniffedFormat, sniffed_format
 from sgicodec.image.zarr_reader import ZarrReader, is_zarr
 from sgicodec.metadata import embedded, geo, ifd, jp2, placement, png
 from sgicodec.metadata.filebytes import FileBytes
+from sgicodec.metadata.gdal_items import stated_of_samples
 from sgicodec.metadata.layouts import alpha_index
 from sgicodec.metadata.left_behind import left_behind
 from sgicodec.metadata.orientation import upright
@@ -117,7 +118,9 @@ class Opened:
             return []
         with self.path.open("rb") as file:
             directory = self.page.directory
-            found = left_behind(PageBytes(file, directory) if directory and directory.number else FileBytes(file))
+            data = PageBytes(file, directory) if directory and directory.number else FileBytes(file)
+            kept = stated_of_samples(self.metadata.geo)
+            found = left_behind(data) + [name for name in stated_of_samples(data) if name not in kept]
             if self.metadata.geo is None and jp2.states_place(FileBytes(file)):
                 found.append("its place (GML; the extra tiff reads it)")
         found += not_kept(self.spec, self.kind) if is_openimageio(self.image) else self.image.left_behind()

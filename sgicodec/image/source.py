@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from sgicodec.errors import PictureError, UsageError
 from sgicodec.image.access import Access, Tiles, Whole, access
-from sgicodec.image.header import MAX_SAMPLES, Probe, stretched_bits
+from sgicodec.image.header import MAX_SAMPLES, Probe, renumbered
 from sgicodec.image.opened import Alpha, Opened, open_picture
 from sgicodec.image.origin import Origin, naming, on_disk
 from sgicodec.image.reader import check_whole, pictured
@@ -99,8 +99,8 @@ class Source:
         if opened.native not in (self.dtype, np.float16):
             rounded = "" if np.can_cast(opened.native, self.dtype) else ", rounded to 24 bits"
             notes.append(f"samples of {opened.native} become 32-bit floats{rounded}")
-        if bits := stretched_bits(opened.spec):
-            notes.append(f"samples v of its {bits} bits become 16 bits, v · 65535 / {(1 << bits) - 1} rounded down")
+        if numbers := renumbered(opened.spec, opened.kind):
+            notes.append(numbers)
         if left := opened.left_behind():
             notes.append(f"not kept: {', '.join(left)}")
         return tuple(notes)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-__all__ = ["number", "without_statistics"]
+__all__ = ["number", "without_numbers", "without_statistics"]
 
 _NUMBER = re.compile(
     rb"""\s* ([+-]?) (?:
@@ -19,6 +19,7 @@ _TAG = re.compile(rb"<[^<>]*>")
 _ITEM = re.compile(
     rb"""<Item\s[^<>]*?\bname\s*=\s*["'](?:APPROX_)?(?:STATISTICS|HISTO|TIFFTAG_M(?:IN|AX)SAMPLEVALUE)""", re.IGNORECASE
 )
+_SCALING = re.compile(rb"""<Item\s[^<>]*?\brole\s*=\s*["'](?:scale|offset|unittype)["']""", re.IGNORECASE)
 _HISTOGRAMS = re.compile(rb"<Histograms[\s/>]", re.IGNORECASE)
 _END = {b"i": re.compile(rb"</Item\s*>", re.IGNORECASE), b"h": re.compile(rb"</Histograms\s*>", re.IGNORECASE)}
 _EMPTY = re.compile(rb"\s*<GDALMetadata\s*>\s*</GDALMetadata\s*>\s*\Z")
@@ -39,9 +40,18 @@ def without_statistics(text: bytes) -> bytes:
     """GDAL's metadata without the items that state statistics or histograms of samples, wherever they stand; all else
     byte for byte. Empty if nothing is left.
     """
+    return _without(text, (_ITEM, _HISTOGRAMS))
+
+
+def without_numbers(text: bytes) -> bytes:
+    """The same, also without scale, offset and unit of samples."""
+    return _without(text, (_ITEM, _HISTOGRAMS, _SCALING))
+
+
+def _without(text: bytes, elements: tuple[re.Pattern[bytes], ...]) -> bytes:
     kept, at = bytearray(), 0
     for tag in _TAG.finditer(text):
-        if tag.start() < at or not (_ITEM.match(tag[0]) or _HISTOGRAMS.match(tag[0])):
+        if tag.start() < at or not any(element.match(tag[0]) for element in elements):
             continue
         end = tag if tag[0].endswith(b"/>") else _END[tag[0][1:2].lower()].search(text, tag.end())
         if end is None:

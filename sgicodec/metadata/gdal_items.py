@@ -10,14 +10,18 @@ from typing import NamedTuple
 from xml.etree import ElementTree
 
 from sgicodec.metadata import geo, ifd
+from sgicodec.metadata.filebytes import Bytes
 
-__all__ = ["BandFacts", "band_facts", "last_colour", "named_bands"]
+__all__ = ["BandFacts", "band_facts", "last_colour", "named_bands", "stated_of_samples"]
 
 _ASCII = 2
 _MAX_TEXT = 1 << 22
 """Bytes that are looked at."""
 _STALE = ("statistics_", "approx_statistics_", "tifftag_minsamplevalue", "tifftag_maxsamplevalue")
 """How the names of items begin that speak of the source's samples."""
+
+_STATED = {"scale": "scale", "offset": "offset", "unittype": "unit", "description": "names of bands"}
+"""What items of a role state, in words."""
 
 
 class _Item(NamedTuple):
@@ -57,6 +61,14 @@ def band_facts(blob: bytes | None, bands: int) -> list[BandFacts]:
         elif not role and not item.domain and not item.name.lower().startswith(_STALE):
             facts.items[item.name] = item.value
     return found
+
+
+def stated_of_samples(data: Bytes | None) -> list[str]:
+    """What a TIFF structure such as the `geo` blob states of samples and bands, in words."""
+    entries = ifd.entries(data, {geo.GDAL_METADATA, geo.GDAL_NODATA})
+    entry = entries.get(geo.GDAL_METADATA)
+    roles = {item.role.lower() for item in _items(b"" if entry is None else entry.data)}
+    return [word for role, word in _STATED.items() if role in roles] + ["nodata value"] * (geo.GDAL_NODATA in entries)
 
 
 def named_bands(names: Sequence[str]) -> dict[int, ifd.Entry]:

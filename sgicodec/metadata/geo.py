@@ -88,22 +88,24 @@ def without_statistics(blob: bytes | None) -> bytes | None:
     are left behind.
     """
     entries = load(blob)
-    entry = entries.pop(GDAL_METADATA, None)
-    if entry is None:
-        return blob
-    text = gdal.without_statistics(entry.data)
-    if text:
-        entries[GDAL_METADATA] = ifd.Entry(entry.kind, text)
-    return blob if text == entry.data else pack(entries)
+    found = _with_metadata(entries, gdal.without_statistics)
+    return blob if found == entries else pack(found)
+
+
+def _with_metadata(entries: dict[int, ifd.Entry], change: Callable[[bytes], bytes]) -> dict[int, ifd.Entry]:
+    """The entries with another text of GDAL's metadata, without it where nothing is left."""
+    entry = entries.get(GDAL_METADATA)
+    text = b"" if entry is None else change(entry.data)
+    rest = {tag: other for tag, other in entries.items() if tag != GDAL_METADATA}
+    return {**rest, GDAL_METADATA: ifd.Entry(_ASCII, text)} if text else rest
 
 
 def resampled(blob: bytes | None, convert: Callable[[float], float | None]) -> bytes | None:
     """The blob for a picture whose samples are now other numbers: `convert` gives the new nodata value, None for none.
 
-    GDAL's metadata is left behind: scales, offsets and statistics of samples are no longer true.
+    GDAL's scales, offsets, units and statistics of samples are left behind: they are no longer true.
     """
-    entries = load(blob)
-    entries.pop(GDAL_METADATA, None)
+    entries = _with_metadata(load(blob), gdal.without_numbers)
     if entries.pop(GDAL_NODATA, None) is not None:
         import numpy as np
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import struct
 
 from sgicodec.errors import PictureError
-from sgicodec.metadata import avif, geo, ifd, jpeg, jxl, pages, png
+from sgicodec.metadata import avif, ifd, jpeg, jxl, pages, png
 from sgicodec.metadata.filebytes import Bytes
 
 __all__ = ["are_foreign", "left_behind"]
@@ -99,13 +99,12 @@ def _of_jpeg(data: Bytes) -> list[str]:
 
 
 def _of_tiff(data: Bytes) -> list[str]:
-    wanted = {_PHOTOMETRIC, _COLOUR_TABLE, _TIFF_IPTC, _TIFF_PHOTOSHOP, _TIFF_LAYERS, geo.GDAL_NODATA}
-    entries = ifd.entries(data, wanted)
+    entries = ifd.entries(data, {_PHOTOMETRIC, _COLOUR_TABLE, _TIFF_IPTC, _TIFF_PHOTOSHOP, _TIFF_LAYERS})
     stated, photoshop = entries.get(_PHOTOMETRIC), entries.get(_TIFF_PHOTOSHOP)
     photometric = None if stated is None else stated.short
     found = [_INKS] if photometric == _SEPARATED else []
     if photometric == _PALETTE:
-        found += [_palette(entries.get(_COLOUR_TABLE)), *["nodata value"] * (geo.GDAL_NODATA in entries)]
+        found.append(_palette(entries.get(_COLOUR_TABLE)))
     elif _COLOUR_TABLE in entries:
         found.append("its colour table")
     if _TIFF_IPTC in entries or (photoshop is not None and _OF_IPTC in photoshop.data):

@@ -75,6 +75,32 @@ def test_fits_in_other_scales(dtype: str, zero: float, scale: float) -> None:
         read(fits(np.ones((2, 2), dtype), BZERO=zero, BSCALE=scale))
 
 
+@pytest.mark.parametrize(
+    ("name", "bits", "notes"),
+    [
+        ("x.tif", 2, ("samples v of its 2 bits become 8 bits, v · 85",)),
+        ("x.tif", 10, ("samples v of its 10 bits become 16 bits, v · 65535 / 1023 rounded down",)),
+        ("x.tif", 16, ()),
+        ("x.png", 4, ()),
+    ],
+)
+def test_that_few_bits_are_stretched_is_said(tmp_path: Path, name: str, bits: int, notes: tuple[str, ...]) -> None:
+    """But of formats whose samples are levels of a screen."""
+    pixels = np.zeros((4, 4, 1), np.uint8 if bits <= 8 else np.uint16)
+    with open_source(save(tmp_path / name, pixels, oiio__BitsPerSample=bits)) as source:
+        assert source.notes == notes
+
+
+@pytest.mark.parametrize(
+    ("dtype", "said"),
+    [("bool", "of its 1 bit become 8 bits, 255 − v · 255"), ("uint8", "become 255 − v"), ("u2", "become 65535 − v")],
+)
+def test_that_white_is_turned_over_is_said(tmp_path: Path, dtype: str, said: str) -> None:
+    tifffile.imwrite(tmp_path / "x.tif", np.zeros((4, 4), dtype), photometric="miniswhite", metadata=None)
+    with open_source(tmp_path / "x.tif") as source:
+        assert source.notes == (f"samples v {said}",)
+
+
 def test_few_bits_fill_the_type() -> None:
     ten_bits = b"P5 3 1 1023\n" + struct.pack(">HHH", 0, 512, 1023)
     assert read(ten_bits).pixels.ravel().tolist() == pytest.approx([0, 512 / 1023 * 65535, 65535], abs=40)

@@ -100,12 +100,23 @@ def test_nodata_is_stretched_like_its_samples(tmp_path: Path, bits: int, dtype: 
     pixels = np.full((8, 8, 1), (nodata * largest + most - 1) // most, dtype)
     pixels[0] = 0
     path = save(tmp_path / "x.tif", pixels, oiio__BitsPerSample=bits)
-    _tagged(path, {42113: text(f"{nodata}"), 33550: ALL[33550], 42112: ALL[42112]})
+    stated, name = "<GDALMetadata>{}{}</GDALMetadata>", '<Item name="DESCRIPTION" role="description">B4</Item>'
+    scale = '<Item name="SCALE" sample="0" role="scale">0.1</Item>'
+    _tagged(path, {42113: text(f"{nodata}"), 33550: ALL[33550], 42112: text(stated.format(scale, name))})
     picture = read(path)
     assert picture.nodata == picture.pixels[5, 5, 0]
     assert picture.nodata is not None
     assert picture.nodata == pytest.approx(nodata / most * largest, abs=1)
-    assert geo.load(picture.metadata.geo).keys() == {33550, 42113}
+    assert geo.load(picture.metadata.geo).keys() == {33550, 42112, 42113}
+    assert geo.load(picture.metadata.geo)[42112] == text(stated.format("", name))
+    with open_source(path) as source:
+        assert source.notes[1:] == ("not kept: scale",)
+
+
+def test_nodata_that_its_samples_cannot_have_is_said(tmp_path: Path) -> None:
+    path = _tagged(save(tmp_path / "x.tif", np.zeros((8, 8, 1), np.uint8), oiio__BitsPerSample=4), {42113: text("99")})
+    with open_source(path) as source:
+        assert source.notes == ("samples v of its 4 bits become 8 bits, v · 17", "not kept: nodata value")
 
 
 ANY_ENTRY = st.builds(ifd.Entry, st.sampled_from([1, 2, 3, 4, 5, 12]), st.binary(min_size=8, max_size=768))

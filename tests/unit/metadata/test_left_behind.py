@@ -52,10 +52,10 @@ def tiff(*pages: dict[str, Any]) -> bytes:
     return out.getvalue()
 
 
-def classes(step: int, options: dict[str, Any] | None = None) -> bytes:
+def classes(step: int) -> bytes:
     """A TIFF of classes, whose colours are multiples of this."""
     table = np.arange(256, dtype=np.uint16)[None] * np.full((3, 1), step, np.uint16)
-    return tiff({"photometric": "palette", "colormap": table, **(options or {})})
+    return tiff({"photometric": "palette", "colormap": table})
 
 
 def masked() -> bytes:
@@ -100,7 +100,7 @@ PQ = chunk(b"cICP", bytes([9, 16, 0, 1]))
         (tiff({"extratags": [(37724, "B", 4, b"1234", True)]}), ["layers"]),
         (masked(), ["a mask"]),
         (classes(257), ["palette (RGB instead)"]),
-        (classes(256, {"extratags": [(42113, "s", 0, "0", True)]}), ["palette (RGB instead)", "nodata value"]),
+        (classes(256), ["palette (RGB instead)"]),
         (classes(255), ["palette (RGB of 8 bits instead)"]),
         (tiff({"extratags": [(320, "H", 768, bytes(1536), True)]}), ["its colour table"]),
         (tiff({}, {"subfiletype": 1}), []),
