@@ -23,6 +23,7 @@ __all__ = [
     "header",
     "holds_shifted_uint16",
     "is_associated",
+    "is_rgb",
     "is_white_zero",
     "number_as_read",
     "orientation",
@@ -132,6 +133,11 @@ def is_associated(spec: ImageSpec, kind: str) -> bool:
 
 def _photometric(spec: ImageSpec) -> int:
     return int(spec.get_int_attribute("tiff:PhotometricInterpretation", -1))
+
+
+def is_rgb(spec: ImageSpec) -> bool:
+    """Whether a TIFF calls its first three channels red, green and blue."""
+    return _photometric(spec) == _RGB
 
 
 def is_white_zero(spec: ImageSpec) -> bool:

@@ -25,6 +25,7 @@ from sgicodec.image.header import (
     header,
     holds_shifted_uint16,
     is_associated,
+    is_rgb,
     is_white_zero,
     number_as_read,
     orientation,
@@ -43,7 +44,7 @@ from sgicodec.image.sniffed import SniffedFormat, sniffed_format
 from sgicodec.image.zarr_reader import ZarrReader, is_zarr
 from sgicodec.metadata import embedded, geo, ifd, jp2, placement, png
 from sgicodec.metadata.filebytes import FileBytes
-from sgicodec.metadata.gdal_items import stated_of_samples
+from sgicodec.metadata.gdal_items import stated_of_samples, with_colours
 from sgicodec.metadata.layouts import alpha_index
 from sgicodec.metadata.left_behind import left_behind
 from sgicodec.metadata.orientation import upright
@@ -106,6 +107,12 @@ class Opened:
     def reads_parts(self) -> bool:
         """Whether a part of the rows can be read: OpenImageIO 3.2 returns garbage for those of 64-bit floats."""
         return not (is_openimageio(self.image) and str(self.spec.format) == "double")
+
+    @property
+    def alpha_is_band(self) -> bool:
+        """Whether what it declares as alpha is a band like the others, as these are neither gray nor RGB."""
+        is_declared = self.spec.alpha_channel >= 0 and self.channels.last == "alpha"
+        return is_declared and header(self.spec, self.kind).channels == "multi"
 
     @property
     def nodata(self) -> float | None:
@@ -211,7 +218,7 @@ def open_picture(path: Path, *, any_size: bool = False, alpha: Alpha = "auto", p
         image = by_others(path, data, image, chosen, declared)
         spec, kind = _spec(image, found, chosen.subimage), image.format_name()
     probe = _probe(image, spec, _LAST.get(alpha, declared.last))
-    georeference = _with_names(found.geo, image)
+    georeference = with_colours(_with_names(found.geo, image), _colours(spec, kind, probe, alpha))
     if not has_own_numbers(spec):
         georeference = geo.resampled(georeference, lambda value: number_as_read(value, spec))
     georeference = placement.oriented(georeference, orientation(spec, kind), spec.width, spec.height)
@@ -271,6 +278,17 @@ def _with_names(georeference: bytes | None, image: Any) -> bytes | None:
     """The blob, with the names of bands that the reader knows of planes."""
     named = geo.load(image.metadata().geo) if isinstance(image, Planes) else {}
     return geo.pack(geo.load(georeference) | named) if named else georeference
+
+
+def _colours(spec: ImageSpec, kind: str, probe: Probe, alpha: Alpha) -> list[str]:
+    """GDAL's names of what bands of a TIFF show that are coded as "multi", empty for those that are undefined."""
+    if kind != "tiff" or probe.channels != "multi":
+        return []
+    names = ["Red", "Green", "Blue"] * is_rgb(spec)
+    names += [""] * (spec.nchannels - len(names))
+    if spec.alpha_channel >= 0 and alpha == "auto":
+        names[spec.alpha_channel] = "Alpha"
+    return names
 
 
 def _check(data: FileBytes) -> SniffedFormat | None:

@@ -30,6 +30,9 @@ _SCAN_SAMPLES = 1 << 22
 NO_OPACITY = "what is declared as alpha is opaque nowhere, or more than that: it is coded as a band like the others"
 
 
+ALPHA_IS_BAND = "alpha is coded as a band like the others, which are not gray or RGB alone"
+
+
 class Source:
     """An open picture: what it is at once, its pixels window by window. A context manager; not for several threads.
 
@@ -101,6 +104,8 @@ class Source:
             notes.append(f"samples of {opened.native} become 32-bit floats{rounded}")
         if numbers := renumbered(opened.spec, opened.kind):
             notes.append(numbers)
+        if opened.alpha_is_band:
+            notes.append(ALPHA_IS_BAND)
         if left := opened.left_behind():
             notes.append(f"not kept: {', '.join(left)}")
         return tuple(notes)

@@ -12,9 +12,10 @@ from xml.etree import ElementTree
 from sgicodec.metadata import geo, ifd
 from sgicodec.metadata.filebytes import Bytes
 
-__all__ = ["BandFacts", "band_facts", "last_colour", "named_bands", "stated_of_samples"]
+__all__ = ["BandFacts", "band_facts", "last_colour", "named_bands", "stated_of_samples", "with_colours"]
 
 _ASCII = 2
+_NO_ITEMS = b"<GDALMetadata>\n</GDALMetadata>\0"
 _MAX_TEXT = 1 << 22
 """Bytes that are looked at."""
 _STALE = ("statistics_", "approx_statistics_", "tifftag_minsamplevalue", "tifftag_maxsamplevalue")
@@ -73,15 +74,30 @@ def stated_of_samples(data: Bytes | None) -> list[str]:
 
 def named_bands(names: Sequence[str]) -> dict[int, ifd.Entry]:
     """The tag that gives bands their names, as GDAL writes it; an empty name is none."""
-    items = [
-        f'<Item name="DESCRIPTION" sample="{band}" role="description">{escape(_printable(name), quote=False)}</Item>'
-        for band, name in enumerate(names)
-        if name
-    ]
-    if not items:
-        return {}
-    text = "\n".join(("<GDALMetadata>", *items, "</GDALMetadata>"))
-    return {geo.GDAL_METADATA: ifd.Entry(_ASCII, text.encode() + b"\0")}
+    text = _with_items(b"", "DESCRIPTION", names)
+    return {geo.GDAL_METADATA: ifd.Entry(_ASCII, text)} if text else {}
+
+
+def with_colours(blob: bytes | None, colours: Sequence[str]) -> bytes | None:
+    """The `geo` blob with GDAL's names of what bands show, such as "Red", unless it has any; an empty name is none."""
+    entries = geo.load(blob)
+    entry = entries.get(geo.GDAL_METADATA)
+    stated = b"" if entry is None else entry.data
+    if any(item.role == "colorinterp" for item in _items(stated)):
+        return blob
+    text = _with_items(stated, "COLORINTERP", colours)
+    return geo.pack({**entries, geo.GDAL_METADATA: ifd.Entry(_ASCII, text)}) if text != stated else blob
+
+
+def _with_items(text: bytes, name: str, values: Sequence[str]) -> bytes:
+    """The tag's text with items of this name, one for each band whose value is not empty; as it is if it is damaged."""
+    items = "".join(
+        f'<Item name="{name}" sample="{band}" role="{name.lower()}">{escape(_printable(value), quote=False)}</Item>\n'
+        for band, value in enumerate(values)
+        if value
+    )
+    head, end, tail = (text or _NO_ITEMS).rpartition(b"</GDALMetadata>")
+    return head + items.encode() + end + tail if items and end else text
 
 
 def last_colour(text: bytes, bands: int) -> str | None:

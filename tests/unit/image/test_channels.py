@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import struct
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
-from sgicodec import read
+from sgicodec import open_source, read
+from sgicodec.image.source import ALPHA_IS_BAND
+from sgicodec.metadata import geo, ifd
+from sgicodec.metadata.gdal_items import named_bands, with_colours
 
 COLOURS = np.arange(24, dtype=np.uint8).reshape(2, 4, 3) * 10
 ALPHA = np.array([0, 255, 128, 7, 1, 254, 200, 30], np.uint8).reshape(2, 4, 1)
@@ -107,3 +111,41 @@ def test_gdal_has_the_word_on_the_last_band_of_a_tiff(colour: str, layout: str, 
     picture = read(tmp_path / "a.tif")
     assert picture.channels == layout
     np.testing.assert_array_equal(picture.pixels, pixels)
+
+
+RGB = ["Red", "Green", "Blue"]
+
+
+@pytest.mark.parametrize(
+    ("photometric", "extra", "alpha", "colours"),
+    [
+        ("rgb", [0], "auto", RGB),
+        ("rgb", [2], "band", RGB),
+        ("rgb", [0, 2], "auto", [*RGB, "", "Alpha"]),
+        ("minisblack", [0, 2], "auto", ["", "", "Alpha"]),
+        ("minisblack", [0, 0, 0], "auto", []),
+        ("rgb", [2], "auto", []),
+    ],
+)
+def test_what_bands_show_is_kept(
+    photometric: str, extra: list[int], alpha: Any, colours: list[str], tmp_path: Path
+) -> None:
+    tifffile = pytest.importorskip("tifffile")
+    pixels = np.zeros((4, 4, len(extra) + (3 if photometric == "rgb" else 1)), np.uint8)
+    options = {"photometric": photometric, "extrasamples": extra, "planarconfig": "contig", "metadata": None}
+    tifffile.imwrite(tmp_path / "a.tif", pixels, **options)
+    with open_source(tmp_path / "a.tif", alpha=alpha) as source:
+        assert source.metadata.geo == with_colours(None, colours)
+        assert source.notes == ((ALPHA_IS_BAND,) if "Alpha" in colours else ())
+
+
+def test_colours_that_gdal_names_stay() -> None:
+    blob, other = with_colours(None, RGB), with_colours(None, ["", "Blue"])
+    assert with_colours(other, RGB) == other
+    assert with_colours(blob, []) == blob
+    named = geo.load(geo.pack(named_bands(["B4"])))[geo.GDAL_METADATA].data
+    both = geo.load(with_colours(geo.pack(named_bands(["B4"])), RGB))[geo.GDAL_METADATA].data
+    assert both.count(b"<Item") == 4
+    assert both.startswith(named.partition(b"</GDALMetadata>")[0])
+    damaged = geo.pack({geo.GDAL_METADATA: ifd.Entry(2, b"<GDALMetadata\0")})
+    assert with_colours(damaged, RGB) == damaged
