@@ -6,11 +6,13 @@ import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
+from sgicodec.metadata.layouts import range_text
+
 if TYPE_CHECKING:
     from sgicodec.decoder.stream import Stream
     from sgicodec.metadata.blobs import Metadata
 
-__all__ = ["lost_in", "lost_outside_tiff", "place_facts", "place_lines"]
+__all__ = ["lost_in", "lost_outside_tiff", "place_facts", "place_lines", "rescaling"]
 
 
 def place_facts(stream: Stream) -> dict[str, Any]:
@@ -65,14 +67,38 @@ _TAGS = ("png", "jpg", "webp")
 """Formats besides TIFF that hold EXIF and XMP."""
 
 
-def lost_in(metadata: Metadata, nodata: float | None, extension: str) -> str:
-    """What of a picture's metadata and nodata value a format does not hold, in words; empty if nothing."""
+def lost_in(metadata: Metadata, nodata: float | None, extension: str, rescaled: bool = False) -> str:
+    """What of a picture's metadata and nodata value a format does not hold, in words; empty if nothing. rescaled: but
+    for what `rescaling` tells.
+    """
     if extension == "tif":
         return ""
     held = extension in _TAGS
     names = ["EXIF"] * (metadata.exif is not None and not held) + ["XMP"] * (metadata.xmp is not None and not held)
     names += ["ICC profile"] * (metadata.icc is not None and extension not in (*_TAGS, "jp2", "jxl"))
-    return _listed([*names, *_lost_places(metadata.geo, nodata, extension)])
+    names += _lost_places(metadata.geo, nodata, extension)
+    return _listed(names + [name for name in _of_bands(metadata, extension) if not (rescaled and name in _SCALING)])
+
+
+_SCALING = ("scale", "offset", "unit")
+
+
+def _of_bands(metadata: Metadata, extension: str) -> list[str]:
+    from sgicodec.metadata.gdal_items import stated_of_samples
+
+    kept = ["nodata value"] + ["names of bands"] * (extension == "zarr")  # that value is named as one of its place
+    return [name for name in stated_of_samples(metadata.geo) if name not in kept] if metadata.geo else []
+
+
+def rescaling(metadata: Metadata, nodata: float | None, dtype: str) -> str:
+    """What samples of another type than the stream's are and lose, in words; empty where they are no measurements."""
+    from sgicodec.picture import full_range
+
+    numbers = [name for name in _of_bands(metadata, "tif") if name in _SCALING]
+    if dtype != "float32" and not numbers and not lost_outside_tiff(metadata.geo, nodata):
+        return ""
+    lost = f"; {_listed(numbers)} {'are' if numbers[1:] else 'is'} not kept" if numbers else ""
+    return f"samples are rescaled to {range_text(full_range(dtype))}{lost}"
 
 
 def lost_outside_tiff(blob: bytes | None, nodata: float | None) -> bool:

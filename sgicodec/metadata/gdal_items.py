@@ -21,7 +21,9 @@ _MAX_TEXT = 1 << 22
 _STALE = ("statistics_", "approx_statistics_", "tifftag_minsamplevalue", "tifftag_maxsamplevalue")
 """How the names of items begin that speak of the source's samples."""
 
-_STATED = {"scale": "scale", "offset": "offset", "unittype": "unit", "description": "names of bands"}
+_STATED = {"scale": "scale", "offset": "offset", "unittype": "unit", "description": "names of bands"} | {
+    "": "GDAL's other metadata"
+}
 """What items of a role state, in words."""
 
 
@@ -68,7 +70,8 @@ def stated_of_samples(data: Bytes | None) -> list[str]:
     """What a TIFF structure such as the `geo` blob states of samples and bands, in words."""
     entries = ifd.entries(data, {geo.GDAL_METADATA, geo.GDAL_NODATA})
     entry = entries.get(geo.GDAL_METADATA)
-    roles = {item.role.lower() for item in _items(b"" if entry is None else entry.data)}
+    items = list(_items(b"" if entry is None else entry.data))
+    roles = {item.role.lower() for item in items if item.role or not item.name.lower().startswith(_STALE)}
     return [word for role, word in _STATED.items() if role in roles] + ["nodata value"] * (geo.GDAL_NODATA in entries)
 
 

@@ -153,3 +153,49 @@ def test_a_nodata_value_without_a_place(nodata: float, is_lost: bool, tmp_path: 
     assert sgi("decode", tmp_path / "x.sgi").exit_code == 0
     with tifffile.TiffFile(tmp_path / "x.tif") as file:
         assert float(file.pages.first.tags[42113].value) == pytest.approx(nodata, nan_ok=True)
+
+
+_ITEM = '<Item name="{}" sample="0" role="{}">{}</Item>'
+
+
+@pytest.fixture(scope="module")
+def scaled(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The stream of samples that stand for others."""
+    folder = tmp_path_factory.mktemp("scaled")
+    items = (
+        _ITEM.format("SCALE", "scale", 0.1),
+        _ITEM.format("OFFSET", "offset", 3),
+        _ITEM.format("A", "description", "a"),
+    )
+    blob = geo_of({42112: text(f"<GDALMetadata>{''.join(items)}</GDALMetadata>")})
+    pixels = np.tile(np.arange(40, dtype=np.uint16) * 100, (24, 1))[..., None]
+    write(Picture(pixels, "gray", (0.0, 65535.0), Metadata(geo=blob)), folder / "x.tif")
+    assert sgi("encode", folder / "x.tif", "--steps", 2).exit_code == 0
+    return folder / "x.sgi"
+
+
+@pytest.mark.parametrize(
+    ("name", "depth", "lines"),
+    [
+        ("a.png", 16, [".png does not hold its scale, offset and names of bands; .tif does"]),
+        ("a.tif", 16, []),
+        ("a.tif", 8, ["samples are rescaled to 0 to 255; scale and offset are not kept"]),
+        ("a.tif", 32, ["samples are rescaled to 0 to 1; scale and offset are not kept"]),
+        (
+            "a.png",
+            8,
+            [
+                "samples are rescaled to 0 to 255; scale and offset are not kept",
+                ".png does not hold its names of bands; .tif does",
+            ],
+        ),
+    ],
+)
+def test_numbers_that_a_decode_loses_are_named(
+    scaled: Path, name: str, depth: int, lines: list[str], tmp_path: Path
+) -> None:
+    found = sgi("decode", scaled, tmp_path / name, "--depth", depth)
+    assert found.stderr == "".join(f"sgi: {tmp_path / name}: {line}\n" for line in lines)
+    if name == "a.tif":
+        stated = geo.load(read(tmp_path / name).metadata.geo)[42112].data
+        assert (b">a</Item>" in stated, b'role="scale"' in stated) == (True, depth == 16)
