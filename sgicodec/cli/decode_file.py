@@ -26,7 +26,7 @@ from sgicodec.cli.paths import (
     with_extension,
 )
 from sgicodec.cli.pictures import Output, write_bands, write_picture, write_pyramid
-from sgicodec.cli.place import lost_in, lost_outside_tiff, rescaling
+from sgicodec.cli.place import losses, lost_outside_tiff
 from sgicodec.cli.progress import Mode, row_progress
 from sgicodec.cli.residual import check_below
 from sgicodec.cli.views import ViewOptions
@@ -102,18 +102,15 @@ class DecodeJob:
                 raise UsageError("stdout cannot take both the picture and --json; name OUT")
             becomes: Literal["picture"] | None = None if self.named else "picture"
             check_output(target, source, self.force, by_default=self.by_default, becomes=becomes)
-            dtype = _DTYPES[self.output.bits]
-            is_rescaled = dtype not in (None, stream.header.sample_type)
-            lost = lost_in(stream.metadata, stream.nodata, extension, is_rescaled)
-            rescaled = rescaling(stream.metadata, stream.nodata, dtype) if dtype and is_rescaled else ""
+            dtype, cog = _DTYPES[self.output.bits], self.output.pyramid_of(target) == "cog"
+            dtype = None if dtype == stream.header.sample_type else dtype
+            lost = losses(stream.metadata, stream.nodata, extension, dtype, cog)
             self._load_writer(target, extension)
             with self.limits.held():
                 shown, channels = self._write(stream, target, extension), stream.header.channels
                 size = 0 if target == STANDARD else size_of(target)
-        if rescaled and not self.quiet:
-            click.echo(f"sgi: {display(target, 'stdout')}: {rescaled}", err=True)
-        if lost and not self.quiet:
-            click.echo(f"sgi: {display(target, 'stdout')}: .{extension} does not hold its {lost}; .tif does", err=True)
+        for line in () if self.quiet else lost:
+            click.echo(f"sgi: {display(target, 'stdout')}: {line}", err=True)
         if self.as_json:
             names = {"input": display(source), "output": display(target)}
             facts = {"width": shown.width, "height": shown.height, "channels": channels, "format": extension}

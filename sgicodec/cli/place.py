@@ -6,13 +6,11 @@ import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from sgicodec.metadata.layouts import range_text
-
 if TYPE_CHECKING:
     from sgicodec.decoder.stream import Stream
     from sgicodec.metadata.blobs import Metadata
 
-__all__ = ["lost_in", "lost_outside_tiff", "place_facts", "place_lines", "rescaling"]
+__all__ = ["losses", "lost_outside_tiff", "place_facts", "place_lines"]
 
 
 def place_facts(stream: Stream) -> dict[str, Any]:
@@ -67,38 +65,49 @@ _TAGS = ("png", "jpg", "webp")
 """Formats besides TIFF that hold EXIF and XMP."""
 
 
-def lost_in(metadata: Metadata, nodata: float | None, extension: str, rescaled: bool = False) -> str:
-    """What of a picture's metadata and nodata value a format does not hold, in words; empty if nothing. rescaled: but
-    for what `rescaling` tells.
+_SCALING = ("scale", "offset", "unit")
+"""What is said of samples and is not true of others."""
+
+
+def losses(
+    metadata: Metadata, nodata: float | None, extension: str, dtype: str | None = None, cog: bool = False
+) -> list[str]:
+    """What a decode loses of a picture's metadata and nodata value, a line each. dtype: of samples, where it is not the
+    stream's; cog: whether GDAL writes them.
     """
-    if extension == "tif":
-        return ""
+    stated, has_all_kinds = _of_bands(metadata.geo)
+    found, numbers = [], [name for name in stated if dtype and name in _SCALING]
+    if dtype and (numbers or dtype == "float32" or lost_outside_tiff(metadata.geo, nodata)):
+        from sgicodec.metadata.layouts import range_text
+        from sgicodec.picture import full_range
+
+        lost = f"; {_listed(numbers)} {'are' if numbers[1:] else 'is'} not kept" if numbers else ""
+        found.append(f"samples are rescaled to {range_text(full_range(dtype))}{lost}")
+    if extension != "tif":
+        kept = [*numbers, *["names of bands"] * (extension == "zarr")]
+        names = _lost_blobs(metadata, extension) + _lost_places(metadata.geo, nodata, extension)
+        if names := names + [name for name in stated if name not in kept]:
+            found.append(f".{extension} does not hold its {_listed(names)}; .tif does")
+    if cog and has_all_kinds:
+        found.append("a COG does not hold its items of bands without a domain; --pyramid does")
+    return found
+
+
+def _lost_blobs(metadata: Metadata, extension: str) -> list[str]:
     held = extension in _TAGS
     names = ["EXIF"] * (metadata.exif is not None and not held) + ["XMP"] * (metadata.xmp is not None and not held)
-    names += ["ICC profile"] * (metadata.icc is not None and extension not in (*_TAGS, "jp2", "jxl"))
-    names += _lost_places(metadata.geo, nodata, extension)
-    return _listed(names + [name for name in _of_bands(metadata, extension) if not (rescaled and name in _SCALING)])
+    return names + ["ICC profile"] * (metadata.icc is not None and extension not in (*_TAGS, "jp2", "jxl"))
 
 
-_SCALING = ("scale", "offset", "unit")
+def _of_bands(blob: bytes | None) -> tuple[list[str], bool]:
+    """What GDAL's metadata state of samples and bands, in words, and whether they have items of both kinds of which a
+    COG holds one.
+    """
+    if blob is None:
+        return [], False
+    from sgicodec.metadata.gdal_items import domains, stated_of_samples
 
-
-def _of_bands(metadata: Metadata, extension: str) -> list[str]:
-    from sgicodec.metadata.gdal_items import stated_of_samples
-
-    kept = ["nodata value"] + ["names of bands"] * (extension == "zarr")  # that value is named as one of its place
-    return [name for name in stated_of_samples(metadata.geo) if name not in kept] if metadata.geo else []
-
-
-def rescaling(metadata: Metadata, nodata: float | None, dtype: str) -> str:
-    """What samples of another type than the stream's are and lose, in words; empty where they are no measurements."""
-    from sgicodec.picture import full_range
-
-    numbers = [name for name in _of_bands(metadata, "tif") if name in _SCALING]
-    if dtype != "float32" and not numbers and not lost_outside_tiff(metadata.geo, nodata):
-        return ""
-    lost = f"; {_listed(numbers)} {'are' if numbers[1:] else 'is'} not kept" if numbers else ""
-    return f"samples are rescaled to {range_text(full_range(dtype))}{lost}"
+    return [name for name in stated_of_samples(blob) if name != "nodata value"], all(domains(blob))
 
 
 def lost_outside_tiff(blob: bytes | None, nodata: float | None) -> bool:

@@ -12,7 +12,7 @@ from xml.etree import ElementTree
 from sgicodec.metadata import geo, ifd
 from sgicodec.metadata.filebytes import Bytes
 
-__all__ = ["BandFacts", "band_facts", "last_colour", "named_bands", "stated_of_samples", "with_colours"]
+__all__ = ["BandFacts", "band_facts", "domains", "last_colour", "named_bands", "stated_of_samples", "with_colours"]
 
 _ASCII = 2
 _NO_ITEMS = b"<GDALMetadata>\n</GDALMetadata>\0"
@@ -73,6 +73,15 @@ def stated_of_samples(data: Bytes | None) -> list[str]:
     items = list(_items(b"" if entry is None else entry.data))
     roles = {item.role.lower() for item in items if item.role or not item.name.lower().startswith(_STALE)}
     return [word for role, word in _STATED.items() if role in roles] + ["nodata value"] * (geo.GDAL_NODATA in entries)
+
+
+def domains(blob: bytes | None) -> tuple[bool, bool]:
+    """Whether items stand in domains, by the `geo` blob, and whether bands have items outside of any."""
+    entry = geo.load(blob).get(geo.GDAL_METADATA)
+    items = [] if entry is None else list(_items(entry.data))
+    return any(item.domain for item in items), any(
+        item.band is not None and not (item.role or item.domain) for item in items
+    )
 
 
 def named_bands(names: Sequence[str]) -> dict[int, ifd.Entry]:

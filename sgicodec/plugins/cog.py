@@ -13,6 +13,7 @@ from sgicodec.decoder.stream import Stream
 from sgicodec.errors import PictureError, require
 from sgicodec.files.scratch import scratch_folder
 from sgicodec.files.whole import whole_file
+from sgicodec.metadata.gdal_items import domains
 from sgicodec.plugins.compression import DEFLATE, Compression
 from sgicodec.plugins.pyramid import is_masked, write_levels
 
@@ -26,6 +27,8 @@ _OPTIONS = {
     "BIGTIFF": "IF_SAFER",
     "OVERVIEWS": "FORCE_USE_EXISTING",
 }
+_DOMAINS = {"COPY_SRC_MDD": "YES"}
+"""To keep domains of metadata, at the price of bands' items outside of any, which GDAL 3.10 then leaves out."""
 
 
 def write_cog(
@@ -56,8 +59,9 @@ def write_cog(
             unordered, ordered = folder / "pyramid.tif", folder / "cog.tif"
             with unordered.open("wb") as file:
                 write_levels(stream, file, False, view, done, masked=masked)
+            options = _OPTIONS | (_DOMAINS if domains(stream.metadata.geo)[0] else {}) | compression.for_gdal()
             with rasterio.Env(GDAL_CACHEMAX=_CACHE_MIB):
-                rasterio.shutil.copy(unordered, ordered, **_OPTIONS, **compression.for_gdal())
+                rasterio.shutil.copy(unordered, ordered, **options)
             with whole_file(Path(path)) as out, ordered.open("rb") as done_file:
                 shutil.copyfileobj(done_file, out)
     except RasterioError as error:
