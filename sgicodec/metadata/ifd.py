@@ -32,6 +32,7 @@ __all__ = [
     "load",
     "offset",
     "rows",
+    "tags",
 ]
 
 EXIF_IFD, GPS_IFD, INTEROP_IFD = 34665, 34853, 40965
@@ -132,6 +133,12 @@ def rows(data: Bytes, at: int, spelling: Layout) -> list[Row]:
     offsets = itertools.count(at + spelling.row.size - spelling.offset.size, spelling.row.size)
     found = zip(spelling.row.iter_unpack(table), offsets, strict=False)
     return [Row(tag, kind, values, offset) for (tag, kind, values, _), offset in found]
+
+
+def tags(data: Bytes) -> list[int]:
+    """Those of the first directory; none of what is no TIFF structure. Raises struct.error if it is damaged."""
+    spelling = layout(data)
+    return [] if spelling is None else [row.tag for row in rows(data, first_directory(data, spelling), spelling)]
 
 
 def first_directory(data: Bytes, spelling: Layout) -> int:

@@ -29,6 +29,10 @@ _MOTION = (b'MotionPhoto="1"', b'MicroVideo="1"')
 _FRAMES = {*range(0xC0, 0xD0)} - {0xC4, 0xC8, 0xCC}
 _PHOTOMETRIC, _COLOUR_TABLE, _TIFF_IPTC, _TIFF_PHOTOSHOP, _TIFF_LAYERS = 262, 320, 33723, 34377, 37724
 _SHORT, _PALETTE, _SEPARATED = 3, 3, 5
+_NAMED = {_TIFF_LAYERS: "layers", 50909: "GEO_METADATA"}
+_BITS, _LOW, _HIGH = 258, 280, 281
+_ASKED = {_PHOTOMETRIC, _COLOUR_TABLE, _TIFF_IPTC, _TIFF_PHOTOSHOP, *_NAMED, _BITS, _LOW, _HIGH}
+_FIRST_PRIVATE = 65000
 
 
 def left_behind(data: Bytes) -> list[str]:
@@ -99,7 +103,7 @@ def _of_jpeg(data: Bytes) -> list[str]:
 
 
 def _of_tiff(data: Bytes) -> list[str]:
-    entries = ifd.entries(data, {_PHOTOMETRIC, _COLOUR_TABLE, _TIFF_IPTC, _TIFF_PHOTOSHOP, _TIFF_LAYERS})
+    entries = ifd.entries(data, _ASKED)
     stated, photoshop = entries.get(_PHOTOMETRIC), entries.get(_TIFF_PHOTOSHOP)
     photometric = None if stated is None else stated.short
     found = [_INKS] if photometric == _SEPARATED else []
@@ -109,9 +113,14 @@ def _of_tiff(data: Bytes) -> list[str]:
         found.append("its colour table")
     if _TIFF_IPTC in entries or (photoshop is not None and _OF_IPTC in photoshop.data):
         found.append(_IPTC)
-    if _TIFF_LAYERS in entries:
-        found.append("layers")
-    return [*found, "a mask"] if pages.has_mask(data) else found
+    found += [name for tag, name in _NAMED.items() if tag in entries]
+    bits = entries[_BITS].short if _BITS in entries else 1
+    for tag, name, usual in ((_LOW, "MinSampleValue", 0), (_HIGH, "MaxSampleValue", (1 << min(bits, 16)) - 1)):
+        found += [name] * (tag in entries and entries[tag].short != usual)
+    if pages.has_mask(data):
+        found.append("a mask")
+    private = sum(tag >= _FIRST_PRIVATE for tag in ifd.tags(data))
+    return [*found, f"{private} private tag{'s' * (private > 1)}"] if private else found
 
 
 def _palette(table: ifd.Entry | None) -> str:
