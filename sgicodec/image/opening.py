@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import struct
 import threading
 from collections.abc import Iterator
@@ -30,6 +31,8 @@ __all__ = ["by_others", "complaint", "is_openimageio", "no_size_limit", "open_im
 
 _UNKNOWN = "could not find a format reader"
 """What OpenImageIO says of formats that it does not know."""
+_SAMPLE_FORMAT = re.compile(r"Invalid sampleformat value \((\d+)\) for (\d+) bits per sample")
+_SAMPLE_FORMATS = {1: "integers", 2: "integers", 3: "floats", 5: "complex integers", 6: "complex numbers"}
 _SIZE_LIMIT = "limits:imagesize_MB"
 _LIFTING = threading.Lock()
 
@@ -66,7 +69,7 @@ def open_image(path: Path, second: bool = False, page: int | None = None) -> Ima
             return _jpeg2000(path)
         if _UNKNOWN in said or head[:2] == b"BM":
             return PillowReader(path, page)
-        raise PictureError(said or "it cannot be opened; the file is damaged or cut off")
+        raise PictureError(_unread(said) or said or "it cannot be opened; the file is damaged or cut off")
     return image
 
 
@@ -82,6 +85,15 @@ def _jpeg2000(path: Path) -> DecodedPicture:
     has_colours = len(found.depths) in (1, 3, 4) or (len(found.depths) == 2 and found.has_alpha)
     is_plain = has_colours and found.bits <= 8 and not found.is_deep
     return PillowReader(path) if is_plain else Jpeg2000Reader(path, found)
+
+
+def _unread(said: str) -> str | None:
+    """Which samples of a TIFF OpenImageIO does not read, by what it says of them; None if it says something else."""
+    found = _SAMPLE_FORMAT.search(said)
+    if found is None or int(found[1]) not in _SAMPLE_FORMATS:
+        return None
+    kind = _SAMPLE_FORMATS[int(found[1])]
+    return f"its samples are {kind} of {found[2]} bits, which are not supported; convert them to 32-bit floats first"
 
 
 def complaint(speaker: Any, path: Path) -> str:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 __all__ = ["LAYOUTS", "WITHOUT_ALPHA", "Level", "SampleRange", "alpha_index", "band_ranges", "range_text"]
 
 LAYOUTS = {"gray": 1, "gray+alpha": 2, "rgb": 3, "rgba": 4}
@@ -32,9 +34,11 @@ def band_ranges(sample_range: SampleRange, colours: int) -> list[tuple[float, fl
 
 
 def range_text(sample_range: SampleRange) -> str:
-    """A range for people: "0 to 4095", of bands each its own."""
+    """A range for people: "0 to 4095", in as many digits as tell its span; of bands each its own."""
     low, high = sample_range
     if isinstance(low, tuple) or isinstance(high, tuple):
         count = len(low if isinstance(low, tuple) else high)  # type: ignore[arg-type]
-        return ", ".join(f"{low:g} to {high:g}" for low, high in band_ranges(sample_range, count))
-    return f"{low:g} to {high:g}"
+        return ", ".join(range_text(band) for band in band_ranges(sample_range, count))
+    spans = max(abs(low), abs(high)) / abs(high - low) if high != low else 1
+    digits = max(6, math.ceil(math.log10(spans)) + 3)
+    return f"{low:.{digits}g} to {high:.{digits}g}"

@@ -106,3 +106,12 @@ def test_few_bits_fill_the_type() -> None:
     assert read(ten_bits).pixels.ravel().tolist() == pytest.approx([0, 512 / 1023 * 65535, 65535], abs=40)
     one_bit = b"P4 8 1\n" + bytes([0b10100000])
     assert read(one_bit).pixels.ravel().tolist() == [0, 255, 0, 255, 255, 255, 255, 255]
+
+
+@pytest.mark.parametrize(
+    ("dtype", "what"), [("int64", "integers"), ("uint64", "integers"), ("complex64", "complex numbers")]
+)
+def test_samples_that_are_not_supported(dtype: str, what: str, tmp_path: Path) -> None:
+    tifffile.imwrite(tmp_path / "x.tif", np.ones((4, 4), dtype), metadata=None)
+    with pytest.raises(PictureError, match=f"its samples are {what} of 64 bits, which are not supported"):
+        read(tmp_path / "x.tif")
