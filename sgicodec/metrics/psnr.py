@@ -69,9 +69,20 @@ def plane_psnr(a: Plane, b: Plane) -> float:
 
 
 def largest_difference(a: Pixels, b: Pixels) -> float:
-    """The largest absolute difference of any sample, in the pictures' own units."""
+    """The largest absolute difference of any sample, in the pictures' own units; of those that are not a number in one
+    picture infinite, in both none.
+    """
     check_pair(a, b)
-    return max(float(np.abs(difference(a[rows], b[rows])).max()) for rows in bands(a.shape[0]))
+    return max(_largest(a[rows], b[rows]) for rows in bands(a.shape[0]))
+
+
+def _largest(a: Pixels, b: Pixels) -> float:
+    with np.errstate(invalid="ignore"):
+        apart = np.abs(difference(a, b))
+    if apart.dtype.kind == "f":
+        same = (a == b) | (np.isnan(a) & np.isnan(b))
+        apart = np.where(np.isnan(apart), np.where(same, 0, np.inf), apart)
+    return float(apart.max())
 
 
 def check_pair(a: Pixels, b: Pixels) -> None:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from sgicodec.metrics.distortion import decibels, squared_error
-from sgicodec.metrics.psnr import luma, psnr
+from sgicodec.metrics.psnr import largest_difference, luma, psnr
 from sgicodec.picture import Picture
 
 
@@ -49,3 +49,20 @@ def test_colours_that_nobody_sees_count_nothing() -> None:
     a[1, :, 3] = 255
     pictures = (Picture(pixels, "rgba", (0.0, 255.0)) for pixels in (a, b))
     assert squared_error(*pictures) == pytest.approx(2 * 3)
+
+
+@pytest.mark.parametrize(
+    ("a", "b", "largest"),
+    [
+        ([1, np.nan, np.inf], [3, np.nan, np.inf], 2),
+        ([1, np.nan, 5], [3, 4, 5], math.inf),
+        ([1, np.inf, 5], [3, -np.inf, 5], math.inf),
+    ],
+)
+def test_what_is_not_a_number_in_both_differs_by_nothing(a: list[float], b: list[float], largest: float) -> None:
+    first, second = (np.array(samples, np.float32).reshape(1, 3, 1) for samples in (a, b))
+    assert largest_difference(first, second) == largest_difference(second, first) == largest
+
+
+def test_integers_differ_either_way() -> None:
+    assert largest_difference(np.array([[[0], [9]]], np.uint16), np.array([[[65535], [0]]], np.uint16)) == 65535
