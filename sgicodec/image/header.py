@@ -19,11 +19,11 @@ __all__ = [
     "ALREADY_UPRIGHT",
     "MAX_SAMPLES",
     "Probe",
+    "band_colours",
     "has_own_numbers",
     "header",
     "holds_shifted_uint16",
     "is_associated",
-    "is_rgb",
     "is_white_zero",
     "number_as_read",
     "orientation",
@@ -135,9 +135,13 @@ def _photometric(spec: ImageSpec) -> int:
     return int(spec.get_int_attribute("tiff:PhotometricInterpretation", -1))
 
 
-def is_rgb(spec: ImageSpec) -> bool:
-    """Whether a TIFF calls its first three channels red, green and blue."""
-    return _photometric(spec) == _RGB
+def band_colours(spec: ImageSpec, with_alpha: bool) -> list[str]:
+    """GDAL's names of what the bands of a TIFF show, empty for those that are undefined."""
+    names = ["Red", "Green", "Blue"] if _photometric(spec) == _RGB else []
+    names += [""] * (spec.nchannels - len(names))
+    if with_alpha and spec.alpha_channel >= 0:
+        names[spec.alpha_channel] = "Alpha"
+    return names
 
 
 def is_white_zero(spec: ImageSpec) -> bool:

@@ -21,11 +21,11 @@ from sgicodec.image.gdal_place import place_by_gdal
 from sgicodec.image.header import (
     ALREADY_UPRIGHT,
     Probe,
+    band_colours,
     has_own_numbers,
     header,
     holds_shifted_uint16,
     is_associated,
-    is_rgb,
     is_white_zero,
     number_as_read,
     orientation,
@@ -218,7 +218,8 @@ def open_picture(path: Path, *, any_size: bool = False, alpha: Alpha = "auto", p
         image = by_others(path, data, image, chosen, declared)
         spec, kind = _spec(image, found, chosen.subimage), image.format_name()
     probe = _probe(image, spec, _LAST.get(alpha, declared.last))
-    georeference = with_colours(_with_names(found.geo, image), _colours(spec, kind, probe, alpha))
+    colours = band_colours(spec, alpha == "auto") if (kind, probe.channels) == ("tiff", "multi") else []
+    georeference = with_colours(_with_names(found.geo, image), colours)
     if not has_own_numbers(spec):
         georeference = geo.resampled(georeference, lambda value: number_as_read(value, spec))
     georeference = placement.oriented(georeference, orientation(spec, kind), spec.width, spec.height)
@@ -278,17 +279,6 @@ def _with_names(georeference: bytes | None, image: Any) -> bytes | None:
     """The blob, with the names of bands that the reader knows of planes."""
     named = geo.load(image.metadata().geo) if isinstance(image, Planes) else {}
     return geo.pack(geo.load(georeference) | named) if named else georeference
-
-
-def _colours(spec: ImageSpec, kind: str, probe: Probe, alpha: Alpha) -> list[str]:
-    """GDAL's names of what bands of a TIFF show that are coded as "multi", empty for those that are undefined."""
-    if kind != "tiff" or probe.channels != "multi":
-        return []
-    names = ["Red", "Green", "Blue"] * is_rgb(spec)
-    names += [""] * (spec.nchannels - len(names))
-    if spec.alpha_channel >= 0 and alpha == "auto":
-        names[spec.alpha_channel] = "Alpha"
-    return names
 
 
 def _check(data: FileBytes) -> SniffedFormat | None:

@@ -149,3 +149,11 @@ def test_wide_floats_need_gdal(
     monkeypatch.setitem(sys.modules, "rasterio", None)
     with pytest.raises(PictureError, match=f"its 64-bit floats are {what}; reading it needs rasterio"):
         read(tmp_path / "a.tif")
+
+
+def test_a_palette_of_8_bits(tmp_path: Path) -> None:
+    """OpenImageIO takes the upper half of 16 bits, and all is black."""
+    colours = np.arange(256, dtype=np.uint16)[None] // [[1], [2], [3]]
+    options = {"photometric": "palette", "colormap": colours.astype(np.uint16), "metadata": None}
+    tifffile.imwrite(tmp_path / "x.tif", np.arange(256, dtype=np.uint8).reshape(16, 16), **options)
+    np.testing.assert_array_equal(read(tmp_path / "x.tif").pixels.reshape(-1, 3), colours.T)

@@ -106,6 +106,7 @@ PQ = chunk(b"cICP", bytes([9, 16, 0, 1]))
         (masked(), ["a mask"]),
         (classes(257), ["palette (RGB instead)"]),
         (classes(256), ["palette (RGB instead)"]),
+        (classes(1), ["palette (RGB instead)"]),
         (classes(255), ["palette (RGB of 8 bits instead)"]),
         (tiff({"extratags": [(320, "H", 768, bytes(1536), True)]}), ["its colour table"]),
         (tiff({}, {"subfiletype": 1}), []),
