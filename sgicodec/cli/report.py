@@ -25,9 +25,10 @@ __all__ = ["Report", "print_report"]
 class Report:
     """Figures of one encode.
 
-    bpp: bits per pixel of the whole stream. psnr: dB over all samples, of a peak that is the sample range; None if not
-    measured, infinite for no error. rounding: by how much samples of more bits than a stream holds are off at most
-    before they are coded. parts: bytes of each part, metadata counted as container; they sum to `bytes`. devices: how many tiles each fitted, by the name of a GPU or the processor.
+    bpp: bits per pixel of the whole stream. psnr: dB over all samples, of a peak that is the sample range; None if
+    not measured, infinite for no error. rounding: by how much samples of more bits than a stream holds are off at
+    most before they are coded. parts: bytes of each part, metadata counted as container; they sum to `bytes`.
+    devices: how many tiles each fitted, by the name of a GPU or the processor.
     fallback: why the processor fitted although a GPU was asked for.
     """
 
