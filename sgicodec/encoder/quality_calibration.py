@@ -21,6 +21,7 @@ from sgicodec.encoder.input.windows import Windows
 from sgicodec.encoder.plan import Plan
 from sgicodec.model.steps import quality_index
 from sgicodec.picture import Picture, exact_samples, nodata_samples, to_unit
+from sgicodec.rate_control.quality_search import QUALITY_PER_OCTAVE
 
 __all__ = ["CalibratedSteps", "log_gradients", "quality_offset", "with_quality_calibration"]
 
@@ -52,7 +53,7 @@ def with_quality_calibration(windows: Windows, plan: Plan) -> Plan:
     gradients = [log_gradients(picture, header.masked) for picture in _sample(windows, header.width, header.height)]
     blocks = np.concatenate(gradients)
     offset = quality_offset(blocks.mean(axis=0), settings.chosen_quality) if len(blocks) else 0.0
-    lmbda = settings.fit_settings().lmbda * 2.0 ** (-offset / 8.0)
+    lmbda = settings.fit_settings().lmbda * 2.0 ** (-offset / QUALITY_PER_OCTAVE)
     planned = plan.at(lmbda, quality_index(lmbda))
     return planned if header.tile else replace(planned, calibrated_quality=settings.chosen_quality)
 

@@ -8,6 +8,7 @@ from sgicodec._native import PRIOR
 from sgicodec.model.spec import ContextSpec, ModelSpec
 from sgicodec.profiles.fit_settings import FitSettings, Phase
 from sgicodec.profiles.profile import Choices, Profile
+from sgicodec.rate_control.quality_search import QUALITY_PER_OCTAVE
 
 __all__ = ["DEFAULT", "default_settings", "default_spec", "lmbda_of_quality"]
 
@@ -77,8 +78,8 @@ def coarse_phases(steps: int) -> tuple[Phase, ...]:
 
 
 def lmbda_of_quality(quality: float) -> float:
-    """λ of the default profile for a quality of 1 to 100: 16 steps of quality halve it twice."""
-    return float(0.5 * 2.0 ** (-(quality - 1) / 8.0))
+    """λ of the default profile for a quality of 1 to 100."""
+    return float(0.5 * 2.0 ** (-(quality - 1) / QUALITY_PER_OCTAVE))
 
 
 def _spec(choices: Choices, channels: int) -> ModelSpec:

@@ -17,6 +17,7 @@ from sgicodec.metadata.layouts import alpha_index
 from sgicodec.model.tile_grid import Rect
 from sgicodec.picture import Picture, exact_samples, from_unit, nodata_mask, nodata_samples, to_unit
 from sgicodec.profiles.default import lmbda_of_quality
+from sgicodec.rate_control.quality_search import QUALITY_PER_OCTAVE
 
 __all__ = ["overview_picture", "overview_settings", "takes_overview"]
 
@@ -26,7 +27,7 @@ F64 = NDArray[np.float64]
 _MIN_PIXELS = 1 << 20
 """Of a picture that has an overview where nothing else is asked for: smaller ones are rendered in no time."""
 
-_FINER = 2 ** (15 / 8)
+_FINER = 2 ** (15 / QUALITY_PER_OCTAVE)
 """The picture's λ over that of its overview: 15 steps of quality, about 1 % of the stream
 (docs/notes/2026-11-large-pictures.md)."""
 

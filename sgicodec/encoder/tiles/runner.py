@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Generic, TypeVar
 
+import numpy as np
 from threadpoolctl import threadpool_limits
 
 from sgicodec.cuda.choice import NamedDevice
@@ -27,6 +28,7 @@ from sgicodec.image.opened import Alpha
 from sgicodec.image.source import Source, open_source
 from sgicodec.image.used_range import SampleUse
 from sgicodec.picture import Picture
+from sgicodec.profiles.default import lmbda_of_quality
 
 __all__ = ["PictureAt", "TileRunner", "TileTask", "one_blas_thread", "within_memory"]
 
@@ -118,7 +120,7 @@ UNIFORM_SAMPLE_BYTES, UNIFORM_ATTRIBUTE_BYTES = 6, 100
 Measured with 1,000 and 40,000 seeds in 0.4 megapixels 110 and 381 MiB, with 350,000 in 52.3 megapixels 3,318."""
 SCORED_PIXEL_BYTES, SCORED_CHANNEL_BYTES = 140, 50
 """For each pixel, and for each of its channels, while a score says what texture should show."""
-MAX_SEEDS, USUAL_SEEDS, USUAL_LMBDA = 0.25, 0.1, 0.5 * 2 ** (-49 / 8)
+MAX_SEEDS, USUAL_SEEDS, USUAL_LMBDA = 0.25, 0.1, lmbda_of_quality(50)
 """Seeds for each pixel: cells have four pixels at least; dense texture starts with a tenth at quality 50."""
 
 
@@ -136,7 +138,7 @@ def _estimate(plan: Plan, reading: int) -> Memory:
     header, fit = plan.header, plan.settings.fit_settings()
     _, _, width, height = header.grid.rect(0)
     pixels, channels = (width + 2 * header.apron) * (height + 2 * header.apron), header.spec.channels
-    window = pixels * channels * {"uint8": 1, "uint16": 2, "float32": 4}[header.sample_type]
+    window = pixels * channels * np.dtype(header.sample_type).itemsize
     if header.spec.layout == "uniform":
         attributes = (fit.seeds or pixels / 400) * header.spec.attributes
         fitting = pixels * channels * UNIFORM_SAMPLE_BYTES + attributes * UNIFORM_ATTRIBUTE_BYTES
