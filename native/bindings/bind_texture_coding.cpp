@@ -142,16 +142,16 @@ class TextureModels {
   }
 
   auto search(const sgi::TextureAmplitudes &amplitudes, Contrasts contrast, Array<const float, 1> steps,
-              std::pair<float, float> slope, float lmbda, bool has_contrast, float doubt,
+              std::pair<float, float> slope, float lmbda, bool has_contrast, float split_margin,
               std::optional<LogSizes> division) const {
     require_contrasts(amplitudes, contrast, steps);
     require(lmbda >= 0, "lmbda must not be negative");
-    require(doubt >= 1, "doubt must be at least 1");
+    require(split_margin >= 1, "split_margin must be at least 1");
     const uint8_t *const cells = require_division(amplitudes, division);
     const sgi::TextureSteps all = steps_of(steps, slope);
     sgi::TextureFound found = [&] {
       nb::gil_scoped_release release;
-      return sgi::search_texture(models_, amplitudes, contrast.data(), all, {lmbda, has_contrast, doubt}, cells);
+      return sgi::search_texture(models_, amplitudes, contrast.data(), all, {lmbda, has_contrast, split_margin}, cells);
     }();
     return std::tuple(sgi::field_arrays(std::move(found.field)), found.count, found.excess);
   }
@@ -242,7 +242,7 @@ void bind_texture_coding(nb::module_ &m) {
       .def("write", &TextureModels::write, "log_size"_a, "contrast"_a, "symbols"_a, "size"_a, "has_contrast"_a,
            "Bits, their P(1) in 2^-16, all symbols in coding order, information content.")
       .def("search", &TextureModels::search, "amplitudes"_a, "contrast"_a, "steps"_a, "slope"_a, "lmbda"_a,
-           "has_contrast"_a, "doubt"_a, "division"_a.none(),
+           "has_contrast"_a, "split_margin"_a, "division"_a.none(),
            "log_size, contrast and symbols; by magnitude 1, 2 and more the symbols and the sum of their excess.");
   nb::class_<sgi::TextureAmplitudes>(m, "TextureAmplitudes")
       .def(

@@ -120,13 +120,13 @@ float TextureRootSearch::decide_node(const TextureCell &cell, std::vector<int> &
   const bool splits = cell.log > kTextureLeast;
   const auto [squares, whole, divided] = prospect(cell);
   float leaf = kImpossible;
-  if (whole <= sought_.settings.doubt * divided)
+  if (whole <= sought_.settings.split_margin * divided)
     leaf = choose_leaf(cell) + cost(textured, 1) + (splits ? cost(split, 0) : 0);
   const float nothing = squares + cost(textured, 0);
   const size_t begin = plan.size();
   plan.push_back(leaf < nothing ? kTextureLeaf : kNoTexture);
   float best = std::min(leaf, nothing);
-  if (splits && divided <= sought_.settings.doubt * whole) {
+  if (splits && divided <= sought_.settings.split_margin * whole) {
     std::vector<int> parts{kSplitNode};
     float sum = cost(textured, 1) + cost(split, 1);
     for (int number = 0; number < 4 && sum < best; ++number) {

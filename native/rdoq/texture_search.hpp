@@ -15,7 +15,7 @@ struct TextureSettings {
   float lambda;  // squared steps per bit
   bool has_contrast;
   // A cell is tried whole, or divided, where an estimate says that it costs this much more than the other at most.
-  float doubt;
+  float split_margin;
 };
 
 struct TextureFound {

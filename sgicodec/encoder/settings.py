@@ -114,10 +114,10 @@ class EncodeSettings:
     @property
     def is_low_effort(self) -> bool:
         """Whether RDOQ and the search of texture leave out what gains little for its time."""
-        return self.is_hurried and self.fit_steps < LOW_EFFORT_STEPS
+        return self.fits_beneath_texture and self.fit_steps < LOW_EFFORT_STEPS
 
     @property
-    def is_hurried(self) -> bool:
+    def fits_beneath_texture(self) -> bool:
         """Whether most steps of a fit beneath texture are at half size, and short ones leave out what gains little for
         its time.
         """

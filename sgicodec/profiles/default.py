@@ -91,7 +91,7 @@ def _spec(choices: Choices, channels: int) -> ModelSpec:
 
 def _fit_settings(choices: Choices) -> FitSettings:
     lmbda = lmbda_of_quality(choices.chosen_quality) if choices.lmbda is None else choices.lmbda
-    return default_settings(max(lmbda, 1e-9), choices.fit_steps, choices.is_hurried)
+    return default_settings(max(lmbda, 1e-9), choices.fit_steps, choices.fits_beneath_texture)
 
 
 DEFAULT = Profile(
