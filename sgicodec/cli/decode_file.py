@@ -101,7 +101,7 @@ class DecodeJob:
             if self.as_json and target == STANDARD:
                 raise UsageError("stdout cannot take both the picture and --json; name OUT")
             becomes: Literal["picture"] | None = None if self.named else "picture"
-            check_output(target, source, self.force, by_default=self.by_default, becomes=becomes)
+            check_output(target, (source,), self.force, by_default=self.by_default, becomes=becomes)
             dtype, cog = _DTYPES[self.output.bits], self.output.pyramid_of(target) == "cog"
             dtype = None if dtype == stream.header.sample_type else dtype
             lost = losses(stream.metadata, stream.nodata, extension, dtype, cog)

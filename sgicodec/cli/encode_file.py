@@ -88,7 +88,7 @@ def encode_file(origin: str, target: str, options: EncodeOptions, started: float
     if options.as_json and target == STANDARD:
         raise UsageError("stdout cannot take both the stream and --json; name OUT")
     becomes: Literal["stream"] | None = None if options.is_named else "stream"
-    check_output(target, origin, options.force, by_default=options.is_default, becomes=becomes)
+    check_output(target, (origin,), options.force, by_default=options.is_default, becomes=becomes)
     data = sys.stdin.buffer.read() if origin == STANDARD else origin
     missed = None
     with ExitStack() as stack:

@@ -106,17 +106,18 @@ def _is_zarr(source: str) -> bool:
 
 def check_output(
     target: str,
-    source: str,
+    sources: tuple[str, ...],
     force: bool,
     *,
     by_default: bool = False,
-    becomes: Literal["stream", "picture"] | None = None,
+    becomes: Literal["stream", "picture", "copy"] | None = None,
 ) -> None:
     """Refuses, before any work is done, what could not or should not be written at its end.
 
-    by_default: whether nobody named OUT. Then it replaces no file, but for a stream that becomes a stream. becomes:
-    what OUT is to be where it was not named with -o. Then it may not be what IN is: a pattern like *.png gives names
-    by position, and -f must not destroy what came second.
+    sources: all that is read, none of which may be OUT. by_default: whether nobody named OUT. Then it replaces no file,
+    but for a stream that becomes a stream. becomes: what OUT is to be where it was not named with -o. Then it may not
+    be what IN is: a pattern like *.png gives names by position, and -f must not destroy what came second. A copy of a
+    stream may have any name, but replaces no picture.
 
     Raises UsageError, or OutputExistsError for an existing file that may not be replaced.
     """
@@ -146,10 +147,13 @@ def check_output(
         return
     if not os.access(folder, os.W_OK):
         raise UsageError(f"{name}: the folder {display(str(folder))} cannot be written to")
-    if source != STANDARD and path.exists() and os.path.exists(source) and path.samefile(source):
-        raise UsageError(f"{name} is both input and output; name another OUT")
+    for source in sources:
+        if source != STANDARD and path.exists() and os.path.exists(source) and path.samefile(source):
+            raise UsageError(f"{name} is both input and output; name another OUT")
     if becomes == "stream":
         _check_stream(path)
+    if becomes == "copy":
+        _refuse_picture(path, "name another OUT")
     if path.exists():
         _check_replaced(path, force, by_default, becomes)
 
@@ -173,13 +177,21 @@ def _check_replaced(path: Path, force: bool, by_default: bool, becomes: str | No
 
 def _check_stream(path: Path) -> None:
     """Raises UsageError for a picture, and for a name that streams do not have."""
+    remedy = "encode many pictures with --output-dir DIR, or name OUT with -o"
+    if path.suffix.lower() not in ("", ".sgi"):
+        raise UsageError(f"{display(str(path))} would be OUT, but does not end in .sgi; {remedy}")
+    _refuse_picture(path, remedy)
+
+
+def _refuse_picture(path: Path, remedy: str) -> None:
+    """Raises UsageError for a picture, and for what may be one: a file that cannot be read."""
     from sgicodec.image.reader import is_picture
 
-    name, remedy = display(str(path)), "encode many pictures with --output-dir DIR, or name OUT with -o"
-    if path.suffix.lower() not in ("", ".sgi"):
-        raise UsageError(f"{name} would be OUT, but does not end in .sgi; {remedy}")
-    if path.exists() and is_picture(path):
-        raise UsageError(f"{name} would be OUT, but it is a picture; {remedy}")
+    try:
+        if path.is_file() and is_picture(path):
+            raise UsageError(f"{display(str(path))} would be OUT, but it is a picture; {remedy}")
+    except OSError as error:
+        raise UsageError(f"{display(str(path))} would be OUT, but: {error.strerror or error}") from error
 
 
 def write_output(target: str, data: bytes, failure: type[SgiError]) -> None:

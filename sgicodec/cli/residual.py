@@ -48,7 +48,7 @@ def refine(picture: str, source: str, target: str, max_error: float, threads: in
     from sgicodec.encoder.settings import EncodeSettings
     from sgicodec.image.source import open_to_encode
 
-    check_output(target, source, force)
+    check_output(target, (picture, source), force, becomes="copy")
     device = Device(threads)
     with ExitStack() as stack:
         opened = stack.enter_context(open_to_encode(picture, lambda text: None))
@@ -75,7 +75,7 @@ def strip(source: str, target: str, force: bool, quiet: bool) -> None:
     """Copy stream IN into stream OUT without its residual layer; the rest stays as it is."""
     from sgicodec.decoder.stream import open_stream
 
-    check_output(target, source, force)
+    check_output(target, (source,), force, becomes="copy")
     with naming_stream(source), open_stream(Path(source)) as stream:
         check_below(stream)
     _rewritten(source, target, None, quiet)

@@ -73,3 +73,18 @@ def test_refusals(picture: Path, tmp_path: Path) -> None:
     assert sgi("strip", out, out).exit_code == 2
     assert sgi("refine", tmp_path / "none.png", out, tmp_path / "b.sgi").exit_code == 3
     assert out.read_bytes() == before
+
+
+def test_no_input_is_replaced(picture: Path, stream: Path, tmp_path: Path) -> None:
+    before = picture.read_bytes(), stream.read_bytes()
+    hard, soft, other = tmp_path / "hard.sgi", tmp_path / "soft.sgi", tmp_path / "other.sgi"
+    hard.hardlink_to(picture)
+    soft.symlink_to(stream)
+    other.write_bytes(before[0])
+    for out in (picture, hard, stream, soft, other):
+        result = sgi("refine", picture, stream, out, "-f")
+        assert (result.exit_code, result.stderr.count("\n")) == (2, 1)
+        assert "both input and output" in result.stderr or "it is a picture" in result.stderr
+    for out in (picture, stream, soft):
+        assert sgi("strip", stream, out, "-f").exit_code == 2
+    assert (picture.read_bytes(), stream.read_bytes()) == before
