@@ -76,7 +76,7 @@ _PACKAGES = {"PIL": "pillow", "pillow_heif": "pillow-heif", "distributed": "Dask
 
 
 class PictureError(SgiError):
-    """A picture that cannot be read or written (exit 3)."""
+    """A picture that cannot be read, or a picture or stream that cannot be written (exit 3)."""
 
     exit_code = 3
 

@@ -5,7 +5,9 @@ from __future__ import annotations
 import dataclasses
 import json
 import math
+import sys
 from collections.abc import Sequence
+from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -207,7 +209,8 @@ def _check_failures(failures: Sequence[str]) -> None:
 def compare(
     a: str, b: str, map_path: str | None, gain: float, force: bool, fail_under: float | None, as_json: bool
 ) -> None:
-    """Print how far picture B is from picture A, files or URLs: PSNR, luma PSNR, SSIM and MS-SSIM. Streams are decoded.
+    """Print how far picture B is from picture A, files or URLs: PSNR, luma PSNR, SSIM and MS-SSIM. Streams are decoded,
+    and - stands for stdin.
 
     SSIMULACRA 2, Butteraugli and other scores for the eye follow where they are installed, of the pictures as 8-bit
     RGB.
@@ -219,6 +222,8 @@ def compare(
     from sgicodec.metrics.scores import error_map, scores
     from sgicodec.picture import comparable, without_opaque_alpha
 
+    if a == b == "-":
+        raise UsageError("stdin holds one file; name A or B")
     if map_path is not None and Path(map_path).exists() and not force:
         raise OutputExistsError(f"{map_path} exists; give -f to overwrite it")
     reference, other = _picture(a), _picture(b)
@@ -251,23 +256,26 @@ def compare(
 
 
 def _picture(origin: str) -> Picture:
-    """The picture in a file or behind a URL; of a stream that which it decodes to. Raises PictureError, StreamError."""
+    """The picture in a file, in stdin (-) or behind a URL; of a stream that which it decodes to. Raises PictureError,
+    StreamError.
+    """
     from sgicodec.bitstream.container import SIGNATURE
     from sgicodec.decoder.stream import open_stream
     from sgicodec.image.source import open_source
 
+    data = sys.stdin.buffer.read() if origin == "-" else origin
     try:
-        with open_url(origin) if is_url(origin) else open(origin, "rb") as file:
+        with BytesIO(data) if isinstance(data, bytes) else open_url(data) if is_url(data) else open(data, "rb") as file:
             is_stream = file.read(len(SIGNATURE)) == SIGNATURE
     except (OSError, SgiError):
         is_stream = False  # what reads pictures tells
     if not is_stream:
-        with open_source(origin) as source:
+        with open_source(data) as source:
             if source.pages > 1:
                 click.echo(f"sgi: {origin}: the first of {source.pages} pages is compared", err=True)
             return source.read(0, 0, source.width, source.height)
     try:
-        with open_stream(origin) as stream:
+        with open_stream(data) as stream:
             return stream.picture()
     except StreamError as error:
         raise type(error)(f"{origin}: {str(error).removeprefix(f'{origin}: ')}") from error

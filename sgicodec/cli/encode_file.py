@@ -5,19 +5,18 @@ from __future__ import annotations
 import os
 import sys
 import time
-from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO, Literal
 
 from sgicodec.cli.encode_listener import EncodeListener
-from sgicodec.cli.paths import STANDARD, check_output, display
+from sgicodec.cli.paths import STANDARD, check_output, display, given, writing
 from sgicodec.cli.progress import Mode
 from sgicodec.cli.report import Report, print_report
 from sgicodec.cuda.choice import device_of
 from sgicodec.encoder.tiles.checkpoint import Checkpoint
-from sgicodec.errors import EncodeInterruptedError, StreamError, TargetMissedError, UsageError
+from sgicodec.errors import EncodeInterruptedError, TargetMissedError, UsageError
 from sgicodec.executors.executor import MIB
 from sgicodec.executors.peak import own_peak
 from sgicodec.executors.processes import ProcessExecutor
@@ -89,8 +88,7 @@ def encode_file(origin: str, target: str, options: EncodeOptions, started: float
         raise UsageError("stdout cannot take both the stream and --json; name OUT")
     becomes: Literal["stream"] | None = None if options.is_named else "stream"
     check_output(target, (origin,), options.force, by_default=options.is_default, becomes=becomes)
-    data = sys.stdin.buffer.read() if origin == STANDARD else origin
-    missed = None
+    data, missed = given(origin), None
     with ExitStack() as stack:
         mode: Mode = "off" if options.quiet else options.progress
         listener = EncodeListener(mode, options.quiet, options.cluster is not None, origin)
@@ -104,7 +102,7 @@ def encode_file(origin: str, target: str, options: EncodeOptions, started: float
         from sgicodec.encoder.pipeline import encode_picture
 
         try:
-            with listener, _errors_of(target):
+            with listener, writing(target):
                 encoded = encode_picture(
                     source,
                     options.settings,
@@ -134,17 +132,6 @@ def encode_file(origin: str, target: str, options: EncodeOptions, started: float
     if listener.ended_early and options.is_batch:
         raise KeyboardInterrupt
     return encoded.size
-
-
-@contextmanager
-def _errors_of(target: str) -> Iterator[None]:
-    """Says of errors of the system that they are the output's."""
-    try:
-        yield
-    except BrokenPipeError:
-        raise
-    except OSError as error:
-        raise StreamError(f"{display(target, 'stdout')}: {error.strerror or error}") from error
 
 
 def _executor(origin: str, options: EncodeOptions, source: Source, stack: ExitStack) -> Executor | None:

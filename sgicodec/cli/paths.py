@@ -6,11 +6,11 @@ import contextlib
 import os
 import sys
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, BinaryIO, Literal
 
 from sgicodec.cli.standard_streams import check_stdout
 from sgicodec.device import ALL_CORES, Device
-from sgicodec.errors import OutputExistsError, SgiError, StreamError, UsageError
+from sgicodec.errors import OutputExistsError, PictureError, SgiError, StreamError, UsageError
 from sgicodec.plugins.ome_name import is_zarr_name
 from sgicodec.remote.url import file_name, is_url
 
@@ -23,14 +23,16 @@ __all__ = [
     "STANDARD",
     "check_output",
     "display",
+    "given",
     "is_stream",
     "local_name",
     "naming_stream",
     "opened_stream",
+    "output_file",
     "refuse_folder",
     "size_of",
     "with_extension",
-    "write_output",
+    "writing",
 ]
 
 STANDARD = "-"
@@ -194,19 +196,33 @@ def _refuse_picture(path: Path, remedy: str) -> None:
         raise UsageError(f"{display(str(path))} would be OUT, but: {error.strerror or error}") from error
 
 
-def write_output(target: str, data: bytes, failure: type[SgiError]) -> None:
-    """Writes `data` to a file, whole or not at all, or to stdout. Raises `failure`, or BrokenPipeError."""
+def given(source: str) -> str | bytes:
+    """What reads pictures and streams takes: the path, or all that comes from stdin."""
+    return sys.stdin.buffer.read() if source == STANDARD else source
+
+
+@contextlib.contextmanager
+def writing(target: str) -> Iterator[None]:
+    """Turns errors of the system in the block into PictureErrors with the output's name, but for BrokenPipeError."""
     try:
-        if target != STANDARD:
-            from pathlib import Path
-
-            from sgicodec.files.whole import write_whole
-
-            write_whole(Path(target), data)
-            return
-        sys.stdout.buffer.write(data)
-        sys.stdout.buffer.flush()
+        yield
     except BrokenPipeError:
         raise
     except OSError as error:
-        raise failure(f"{display(target, 'stdout')}: {error.strerror or error}") from error
+        raise PictureError(f"{display(target, 'stdout')}: {error.strerror or error}") from error
+
+
+@contextlib.contextmanager
+def output_file(target: str) -> Iterator[BinaryIO]:
+    """What is written to: a file that appears whole or not at all, or stdout. Raises PictureError, BrokenPipeError."""
+    with writing(target):
+        if target == STANDARD:
+            yield sys.stdout.buffer
+            sys.stdout.buffer.flush()
+            return
+        from pathlib import Path
+
+        from sgicodec.files.whole import whole_file
+
+        with whole_file(Path(target)) as file:
+            yield file

@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import contextlib
 import io
-import sys
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from sgicodec.cli.paths import STANDARD, write_output
-from sgicodec.errors import PictureError
+from sgicodec.cli.paths import STANDARD, output_file
 from sgicodec.plugins.compression import DEFLATE, Compression
 from sgicodec.plugins.ome_name import is_ome_name, is_zarr_name
 
@@ -56,7 +54,8 @@ def write_picture(picture: Picture, target: str, extension: str, output: Output)
         return
     buffer = io.BytesIO()
     write(picture, buffer, format=extension, **options)  # type: ignore[arg-type]
-    write_output(target, buffer.getvalue(), PictureError)
+    with output_file(target) as file:
+        file.write(buffer.getvalue())
 
 
 def write_pyramid(
@@ -112,9 +111,8 @@ def _copied_out(name: str) -> Iterator[Path]:
     with scratch_folder() as folder:
         path = folder / name
         yield path
-        with path.open("rb") as file:
-            copyfileobj(file, sys.stdout.buffer)
-            sys.stdout.buffer.flush()
+        with path.open("rb") as file, output_file(STANDARD) as stdout:
+            copyfileobj(file, stdout)
 
 
 def _write_bands(

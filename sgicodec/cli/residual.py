@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from contextlib import ExitStack
-from pathlib import Path
+from io import BytesIO
 from typing import TYPE_CHECKING
 
 import click
 
 from sgicodec.cli.command import HelpfulCommand
 from sgicodec.cli.options import complete_files, force_option, quiet_option, threads_option
-from sgicodec.cli.paths import check_output, display, naming_stream
+from sgicodec.cli.paths import STANDARD, check_output, display, given, naming_stream, output_file
 from sgicodec.device import Device
 from sgicodec.errors import UsageError
 
@@ -37,6 +37,7 @@ __all__ = ["check_below", "refine", "strip"]
 @quiet_option
 def refine(picture: str, source: str, target: str, max_error: float, threads: int, force: bool, quiet: bool) -> None:
     """Copy stream IN, made from PICTURE, into stream OUT with a residual layer: no sample is off by more than N.
+    - stands for stdin or stdout.
 
     A residual layer that IN has is replaced. The rest of the stream stays as it is.
     """
@@ -48,18 +49,20 @@ def refine(picture: str, source: str, target: str, max_error: float, threads: in
     from sgicodec.encoder.settings import EncodeSettings
     from sgicodec.image.source import open_to_encode
 
+    if picture == source == STANDARD:
+        raise UsageError("stdin holds one file; name PICTURE or IN")
     check_output(target, (picture, source), force, becomes="copy")
-    device = Device(threads)
+    device, data = Device(threads), given(source)
     with ExitStack() as stack:
-        opened = stack.enter_context(open_to_encode(picture, lambda text: None))
+        opened = stack.enter_context(open_to_encode(given(picture), lambda text: None))
         stack.enter_context(naming_stream(source))
-        stream = stack.enter_context(open_stream(Path(source), device))
+        stream = stack.enter_context(open_stream(data, device))
         check_below(stream)
         windows = windows_of(opened)
         if windows.shape.bands > stream.header.spec.channels:
             windows, _ = without_needless_alpha(windows, stream_plan(windows.shape, EncodeSettings()), NullListener())
         layer = residual_layer(stream, Layer(windows, max_error), device)
-    _rewritten(source, target, layer, quiet)
+    _rewritten(data, source, target, layer, quiet)
 
 
 @click.command(
@@ -72,13 +75,16 @@ def refine(picture: str, source: str, target: str, max_error: float, threads: in
 @force_option
 @quiet_option
 def strip(source: str, target: str, force: bool, quiet: bool) -> None:
-    """Copy stream IN into stream OUT without its residual layer; the rest stays as it is."""
+    """Copy stream IN into stream OUT without its residual layer; the rest stays as it is. - stands for stdin
+    or stdout.
+    """
     from sgicodec.decoder.stream import open_stream
 
     check_output(target, (source,), force, becomes="copy")
-    with naming_stream(source), open_stream(Path(source)) as stream:
+    data = given(source)
+    with naming_stream(source), open_stream(data) as stream:
         check_below(stream)
-    _rewritten(source, target, None, quiet)
+    _rewritten(data, source, target, None, quiet)
 
 
 def check_below(stream: Stream) -> None:
@@ -88,17 +94,15 @@ def check_below(stream: Stream) -> None:
         raise UsageError(f"its {what} in the residual layer alone")
 
 
-def _rewritten(source: str, target: str, layer: bytes | None, quiet: bool) -> None:
+def _rewritten(data: str | bytes, source: str, target: str, layer: bytes | None, quiet: bool) -> None:
     from sgicodec.bitstream.rewriting import rewrite_stream
-    from sgicodec.files.whole import whole_file
 
     with (
         naming_stream(source),
-        Path(source).open("rb") as given,
-        naming_stream(target),
-        whole_file(Path(target)) as file,
+        BytesIO(data) if isinstance(data, bytes) else open(data, "rb") as stream,
+        output_file(target) as file,
     ):
-        size = rewrite_stream(given, file, layer)
+        size = rewrite_stream(stream, file, layer)
     if not quiet:
         of = "" if layer is None else f", of which {len(layer):,} are the residual layer"
-        click.echo(f"{display(target)}: {size:,} bytes{of}")
+        click.echo(f"{display(target, 'stdout')}: {size:,} bytes{of}", err=target == STANDARD)

@@ -14,7 +14,7 @@ EXIT_CODES = (
     (0, "done"),
     (1, "internal error, a report that cannot be written, or a benchmark point, a tile or a file of many that failed"),
     (2, "arguments or settings that make no sense"),
-    (3, "a picture that cannot be read or written"),
+    (3, "a picture that cannot be read, or a picture or stream that cannot be written"),
     (4, "a stream that is damaged, unsupported or cannot be opened"),
     (5, "a target that was missed"),
     (6, "the output exists and -f was not given, or another encode is writing it"),

@@ -10,7 +10,7 @@ import click
 
 from sgicodec.cli.command import HelpfulCommand
 from sgicodec.cli.options import complete_files, threads_option
-from sgicodec.cli.paths import display
+from sgicodec.cli.paths import STANDARD, display
 from sgicodec.device import Device
 from sgicodec.errors import StreamError, UsageError, require
 from sgicodec.remote.url import file_name, is_url
@@ -76,6 +76,8 @@ def _file_parameter(source: str, files: dict[str, Path], urls: dict[str, str]) -
         name = f"{len(urls)}-{file_name(source)}"
         urls[name] = source
         return f"/remote/{quote(name, safe='')}"
+    if source == STANDARD:
+        raise UsageError("sgi view shows files and URLs, not stdin; name a file")
     path = Path(source)
     if not path.is_file():
         folder = "it is a folder; name a stream in it, or show all with sgi serve"

@@ -11,13 +11,7 @@ from typing import BinaryIO
 
 from sgicodec.files.scratch import scratch_folder
 
-__all__ = ["put_in_place", "whole_file", "write_whole"]
-
-
-def write_whole(path: Path, data: bytes) -> None:
-    """Writes `data` to `path` as `whole_file` does."""
-    with whole_file(path) as file:
-        file.write(data)
+__all__ = ["put_in_place", "whole_file"]
 
 
 @contextlib.contextmanager

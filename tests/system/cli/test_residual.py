@@ -88,3 +88,18 @@ def test_no_input_is_replaced(picture: Path, stream: Path, tmp_path: Path) -> No
     for out in (picture, stream, soft):
         assert sgi("strip", stream, out, "-f").exit_code == 2
     assert (picture.read_bytes(), stream.read_bytes()) == before
+
+
+def test_standard_streams(picture: Path, stream: Path, tmp_path: Path) -> None:
+    out, data = tmp_path / "b.sgi", stream.read_bytes()
+    assert sgi("refine", picture, "-", out, stdin=data).exit_code == 0
+    result = sgi("refine", "-", stream, "-", stdin=picture.read_bytes())
+    assert (result.stdout_bytes, result.stderr.startswith("stdout: ")) == (out.read_bytes(), True)
+    result = sgi("strip", "-", "-", stdin=out.read_bytes())
+    assert (result.stdout_bytes, result.stderr) == (data, f"stdout: {len(data):,} bytes\n")
+    assert sgi("refine", "-", "-", "-", stdin=data).stderr == "sgi: stdin holds one file; name PICTURE or IN\n"
+    assert sgi("strip", "-", "-", stdin=b"none").stderr.startswith("sgi: stdin: ")
+    assert sgi("view", "-", stdin=data).stderr == "sgi: sgi view shows files and URLs, not stdin; name a file\n"
+    by_name, by_stdin = sgi("compare", picture, stream), sgi("compare", picture, "-", stdin=data)
+    assert (by_stdin.exit_code, by_stdin.stdout) == (0, by_name.stdout)
+    assert {path.name for path in tmp_path.iterdir()} == {"scene.png", "scene.sgi", "b.sgi"}

@@ -8,7 +8,12 @@ from pathlib import Path
 
 import pytest
 
-from sgicodec.files.whole import write_whole
+from sgicodec.files.whole import whole_file
+
+
+def write_whole(path: Path, data: bytes) -> None:
+    with whole_file(path) as file:
+        file.write(data)
 
 
 @pytest.mark.parametrize("step", ["fsync", "replace"])
