@@ -23,11 +23,14 @@ __all__ = ["Batch", "Item", "batch_items"]
 
 @dataclass(frozen=True)
 class Item:
-    """A file, and where its result goes: a path without extension. clash: the file whose result goes there already."""
+    """A file, and where its result goes: a path without extension. clash: the file whose result goes there already.
+    failure: why a file, or a folder, cannot be looked into.
+    """
 
     source: str
     stem: str
     clash: str | None = None
+    failure: str = ""
 
 
 def batch_items(
@@ -36,12 +39,14 @@ def batch_items(
     """All files of `paths`, and with `recursive` the wanted ones in folders and their subfolders.
 
     Results go into `folder`, in the same subfolders, or beside their sources. Of files whose names differ in the
-    extension alone, results keep it: a.png and a.jpg become a.png.sgi and a.jpg.sgi. Raises UsageError.
+    extension alone, results keep it: a.png and a.jpg become a.png.sgi and a.jpg.sgi. Files and folders that cannot be
+    looked into are items that fail. Raises UsageError.
     """
     if STANDARD in paths:
         raise UsageError("stdin has no name; many files are taken by their names")
-    found = [pair for path in paths for pair in _files(path, recursive, wanted)]
-    if not found:
+    unread: list[Item] = []
+    found = [pair for path in paths for pair in _files(path, recursive, wanted, unread)]
+    if not (found or unread):
         raise UsageError(f"there is nothing to take in {', '.join(map(display, paths))}")
     stems = [local_name(file) if folder is None else os.path.join(folder, under) for file, under in found]
     counts = Counter(os.path.splitext(stem)[0] for stem in stems)
@@ -51,22 +56,29 @@ def batch_items(
         name = bare if counts[bare] == 1 else stem
         items.append(Item(file, name, taken.get(name)))
         taken.setdefault(name, file)
-    return items
+    return items + unread
 
 
-def _files(path: str, recursive: bool, wanted: Callable[[Path], bool]) -> Iterator[tuple[str, str]]:
-    """Each file, and its path below the folder that was named."""
+def _files(path: str, recursive: bool, wanted: Callable[[Path], bool], unread: list[Item]) -> Iterator[tuple[str, str]]:
+    """Each file, and its path below the folder that was named. unread: takes what cannot be looked into."""
+
+    def fail(error: OSError) -> None:
+        unread.append(Item(error.filename, error.filename, failure=error.strerror))
+
     if not os.path.isdir(path):
         yield path, os.path.basename(local_name(path))
         return
     if not recursive:
         raise UsageError(f"{display(path)} is a folder; add -r to take the files in it")
-    for folder, folders, names in os.walk(path):
+    for folder, folders, names in os.walk(path, onerror=fail):
         folders.sort()
         for name in sorted(names):
             file = os.path.join(folder, name)
-            if not name.startswith(".") and os.path.isfile(file) and wanted(Path(file)):
-                yield file, os.path.relpath(file, path)
+            try:
+                if not name.startswith(".") and Path(file).is_file() and wanted(Path(file)):
+                    yield file, os.path.relpath(file, path)
+            except OSError as error:
+                unread.append(Item(file, file, failure=error.strerror or str(error)))
 
 
 @dataclass(frozen=True)
@@ -104,6 +116,8 @@ class Batch:
             raise BatchError(f"{failed} of {len(items)} files failed")
 
     def _target(self, item: Item, extension_of: Callable[[str], str]) -> str:
+        if item.failure:
+            raise SgiError(f"{display(item.source)}: {item.failure}")
         target = f"{item.stem}.{extension_of(item.source)}"
         if item.clash is not None:
             raise UsageError(f"{display(item.source)}: {display(target)} is that of {display(item.clash)}")

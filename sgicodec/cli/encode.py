@@ -27,7 +27,7 @@ from sgicodec.cli.options import (
     target_options,
     threads_option,
 )
-from sgicodec.cli.paths import display, is_stream, refuse_folder, with_extension
+from sgicodec.cli.paths import display, refuse_folder, with_extension
 from sgicodec.cuda.choice import check_name, device_of
 from sgicodec.errors import PictureError, UsageError
 
@@ -252,7 +252,9 @@ def _is_picture(path: Path) -> bool:
 
 
 def _default_target(source: str) -> str:
-    if os.path.isfile(source) and is_stream(source):
+    from sgicodec.bitstream.recognition import looks_like_stream
+
+    if os.path.isfile(source) and looks_like_stream(source):
         raise PictureError(f"{display(source)}: this is an encoded stream, not a picture; decode it first")
     if source.lower().endswith(".sgi"):
         raise UsageError(f"{display(source)} already ends in .sgi; name OUT")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import shutil
 from pathlib import Path
 
@@ -70,3 +71,19 @@ def test_equal_names_are_one_line_and_stop_nothing(picture: Path, tmp_path: Path
     first, last = result.stderr.splitlines()
     assert first == f"sgi: {other / 'scene.png'}: {out / 'scene.png.sgi'} is that of {picture}"
     assert last == "sgi: 1 of 3 files failed"
+
+
+def test_what_cannot_be_looked_into_fails_alone(tree: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    denied = {tree / "a.png", tree / "2025" / "may"}
+    opened, listed = Path.open, os.scandir
+
+    def refuse(path: object) -> None:
+        if Path(str(path)) in denied:
+            raise PermissionError(13, "Permission denied", str(path))
+
+    monkeypatch.setattr(Path, "open", lambda path, *rest, **more: refuse(path) or opened(path, *rest, **more))
+    monkeypatch.setattr(os, "scandir", lambda path=".": refuse(path) or listed(path))
+    result = sgi("encode", "-r", tree, "--output-dir", tmp_path / "streams", "--steps", 1, "--quiet")
+    failures = [f"sgi: {path}: Permission denied" for path in sorted(denied, reverse=True)]
+    assert result.stderr.splitlines() == [*failures, "sgi: 2 of 3 files failed"]
+    assert (result.exit_code, files(tmp_path / "streams")) == (1, ["2025/a.sgi"])
