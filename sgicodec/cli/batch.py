@@ -63,7 +63,7 @@ def _files(path: str, recursive: bool, wanted: Callable[[Path], bool], unread: l
     """Each file, and its path below the folder that was named. unread: takes what cannot be looked into."""
 
     def fail(error: OSError) -> None:
-        unread.append(Item(error.filename, error.filename, failure=error.strerror))
+        unread.append(Item(error.filename, error.filename, failure=error.strerror or str(error)))
 
     if not os.path.isdir(path):
         yield path, os.path.basename(local_name(path))

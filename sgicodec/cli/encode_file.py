@@ -116,7 +116,7 @@ def encode_file(origin: str, target: str, options: EncodeOptions, started: float
         except TargetMissedError as error:
             missed, encoded = str(error), error.nearest
         except KeyboardInterrupt:
-            if not checkpoint.is_open or target == STANDARD:
+            if not checkpoint.tiles or target == STANDARD:
                 raise
             done = len({version.tile for version in checkpoint.tiles})
             text = f"{done} of {listener.tiles} tiles are in {display(target)}.part"

@@ -69,10 +69,12 @@ class Request:
 
     def psnr(self, stream: bytes | Path | BinaryIO) -> float:
         """PSNR in dB over all samples of what a stream decodes to, but for colours where alpha is 0. Raises StreamError
-        if it does not decode.
+        if it, or its overview, does not decode.
         """
         read, header = self.windows.read, self.plan.header
         with open_stream(stream, self.device.processor) as opened:
+            if opened.has_overview:
+                opened.overview.survey()
             error = sum(squared_error(read(0, top, band.width, band.height), band) for top, band in opened.bands())
         return decibels(error, header.width * header.height * header.spec.channels)
 

@@ -66,6 +66,18 @@ def test_a_report_that_cannot_be_written(picture: Path, stream: Path, arguments:
         assert run("verify", picture.with_suffix(".sgi"))[0] == 0
 
 
+@pytest.mark.parametrize(("command", "text"), [(["encode", "--tile", 32], "I/O error"), (["encode"], "too large")])
+def test_files_that_cannot_grow(picture: Path, command: list[object], text: str) -> None:
+    """It is the output that cannot be written, and nothing of it is left."""
+
+    def bound() -> None:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (64, 64))
+
+    status, _, errors = run(*command, picture, "--steps", 2, "-j", 1, "--quiet", before=bound)
+    assert (status, errors.count("\n"), text in errors) == (3, 1, True), errors
+    assert list(picture.parent.iterdir()) == [picture]
+
+
 @pytest.mark.parametrize("length", [300, 5000])
 def test_names_that_are_too_long(picture: Path, stream: Path, length: int) -> None:
     long = picture.parent / ("a" * length)

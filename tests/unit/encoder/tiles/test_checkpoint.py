@@ -124,6 +124,31 @@ def test_a_tile_that_the_disk_changed_is_dropped(tmp_path: Path) -> None:
         assert set(checkpoint.tiles) == {Version(0)}
 
 
+def test_a_value_that_the_disk_changed_is_made_again(tmp_path: Path) -> None:
+    path = tmp_path / "part"
+    overview = bytes(range(200))
+
+    def work() -> None:
+        with opened(path, resume=False) as checkpoint:
+            checkpoint.add(Version(0), tile(0))
+            checkpoint.cached("overview", lambda: overview)
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        work()
+    data = bytearray(path.read_bytes())
+    data[data.index(overview) + 9] ^= 8
+    path.write_bytes(data)
+    with opened(path) as checkpoint:
+        assert checkpoint.cached("overview", lambda: b"made again") == b"made again"
+
+
+@pytest.mark.parametrize("resume", [False, True])
+def test_without_a_tile_nothing_is_left(tmp_path: Path, resume: bool) -> None:
+    interrupted(tmp_path / "part", [], resume=resume)
+    assert list(tmp_path.iterdir()) == []
+
+
 @pytest.mark.parametrize("damage", ["foreign", "cut", "header"])
 def test_a_damaged_file_is_named(tmp_path: Path, damage: str) -> None:
     path = tmp_path / "part"
