@@ -102,7 +102,8 @@ class _Pool(Generic[Job, Result]):
     def _start(self) -> _Worker:
         here, there = self._context.Pipe()
         process = self._context.Process(target=_work, args=(there, self._task), daemon=True)
-        process.start()
+        with _without_interrupts():
+            process.start()
         there.close()
         return _Worker(process, here)
 
@@ -166,6 +167,21 @@ class _Pool(Generic[Job, Result]):
         for worker in self._workers:
             worker.process.join()
             worker.pipe.close()
+
+
+@contextlib.contextmanager
+def _without_interrupts() -> Iterator[None]:
+    """A block after which Ctrl-C is heard again here, and never by processes that it starts: one that only loads would
+    print a trace.
+    """
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    old = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, old)
 
 
 def _work(pipe: Connection, task: Callable[[int, Any], Any]) -> None:

@@ -7,8 +7,10 @@ import signal
 import subprocess
 import sys
 
+import pytest
 from children import HANGS
 
+from sgicodec import __main__
 from sgicodec.cli.interrupt import EarlyEnd
 
 
@@ -45,3 +47,15 @@ def test_the_second_signal_ends_what_is_busy_in_native_code() -> None:
                 break
         assert process.communicate(timeout=HANGS)[1] == b"sgi: interrupted\n"
     assert process.returncode == 130
+
+
+def test_an_interrupt_while_the_command_line_loads(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def interrupted(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(__main__, "require", interrupted)
+    with pytest.raises(SystemExit) as ended:
+        __main__.main()
+    assert (ended.value.code, capsys.readouterr().err) == (130, "sgi: interrupted\n")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 from functools import partial
 from pathlib import Path
 
@@ -17,6 +18,10 @@ from sgicodec.executors.processes import ProcessExecutor
 
 def square(number: int, job: int) -> int:
     return job * job
+
+
+def is_deaf(number: int, job: int) -> bool:
+    return signal.SIGINT in signal.pthread_sigmask(signal.SIG_BLOCK, ())
 
 
 def dies_once(folder: Path, number: int, job: int) -> int:
@@ -52,6 +57,12 @@ def test_all_results_come_in_some_order() -> None:
     found = dict(ProcessExecutor(2).run(square, range(7), lambda number: number + 10))
     assert found == {number: (number + 10) ** 2 for number in range(7)}
     assert dict(Executor().run(square, range(3), lambda number: number)) == {0: 0, 1: 1, 2: 4}
+
+
+@pytest.mark.skipif(not hasattr(signal, "pthread_sigmask"), reason="threads have no masks of signals here")
+def test_processes_never_hear_an_interrupt() -> None:
+    assert dict(ProcessExecutor(2).run(is_deaf, range(2), lambda number: number)) == {0: True, 1: True}
+    assert not is_deaf(0, 0)
 
 
 def test_a_process_that_dies_is_survived(tmp_path: Path) -> None:
