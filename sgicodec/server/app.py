@@ -15,7 +15,7 @@ from starlette.applications import Starlette
 from starlette.middleware import Middleware
 from starlette.middleware.trustedhost import TrustedHostMiddleware
 from starlette.requests import Request
-from starlette.responses import FileResponse, HTMLResponse, JSONResponse, PlainTextResponse, RedirectResponse, Response
+from starlette.responses import HTMLResponse, JSONResponse, PlainTextResponse, RedirectResponse, Response
 from starlette.routing import Mount, Route
 from starlette.staticfiles import StaticFiles
 
@@ -25,6 +25,7 @@ from sgicodec.errors import SgiError, UsageError
 from sgicodec.server import deepzoom, iiif
 from sgicodec.server.access import LOG, Access
 from sgicodec.server.catalog import Catalog
+from sgicodec.server.conditional import RangedFile, unchanged
 from sgicodec.server.drawing import FORMATS, Drawing, drawn
 from sgicodec.server.listing_page import listing_page
 from sgicodec.server.open_streams import OpenStreams, identity
@@ -125,12 +126,12 @@ class _Service:
             )
             has_viewer = self._settings.viewer is not None
             return HTMLResponse(listing_page(name.removesuffix("/"), listing, _root(request), has_viewer))
+        if self._catalog.has_folder(name):
+            return RedirectResponse(f"{_root(request)}/files/{quote(name)}/", 307)
         path = self._catalog.find(name)
-        response = FileResponse(path, media_type=_MEDIA_TYPES.get(path.suffix.lower()), stat_result=path.stat())
+        response = RangedFile(path, media_type=_MEDIA_TYPES.get(path.suffix.lower()), stat_result=path.stat())
         response.headers["cache-control"] = "no-cache"  # ranges of two versions do not mix
-        if request.headers.get("if-none-match") == response.headers["etag"]:
-            return Response(status_code=304, headers={"etag": response.headers["etag"]})
-        return response
+        return unchanged(request, response.headers) or response
 
     async def remote(self, request: Request) -> Response:
         name, asked = request.path_params["name"], request.headers.get("range")
@@ -154,15 +155,17 @@ class _Service:
         accept = request.headers.get("accept", "")
         plain = "application/ld+json" not in accept and ("application/json" in accept or "text/html" in accept)
         kind = "application/json" if plain else f'application/ld+json;profile="{iiif.CONTEXT}"'
-        headers = self._caching(path, address) | {"vary": "Accept", "link": f'<{iiif.LEVEL}>;rel="profile"'}
-        return JSONResponse(found, media_type=kind, headers=headers)
+        caching = self._caching(path, (address, kind))
+        headers = caching | {"vary": "Accept", "link": f'<{iiif.LEVEL}>;rel="profile"'}
+        return unchanged(request, headers) or JSONResponse(found, media_type=kind, headers=headers)
 
     async def manifest(self, request: Request) -> Response:
         name = request.path_params["name"]
         path, address = self._catalog.find(name), self._iiif_address(request, name)
         image = await self._with_stream(request, path, self._image)
         found = iiif.manifest(image, address, name.rpartition("/")[2])
-        return JSONResponse(found, headers=self._caching(path, address))
+        headers = self._caching(path, address)
+        return unchanged(request, headers) or JSONResponse(found, headers=headers)
 
     async def image(self, request: Request) -> Response:
         parts = request.path_params
@@ -183,7 +186,8 @@ class _Service:
         path = self._catalog.find(request.path_params["name"])
         width, height = await self._with_stream(request, path, lambda stream: (stream.width, stream.height))
         text = deepzoom.description(width, height)
-        return Response(text, media_type=deepzoom.MEDIA_TYPE, headers=self._caching(path, "dzi"))
+        headers = self._caching(path, "dzi")
+        return unchanged(request, headers) or Response(text, media_type=deepzoom.MEDIA_TYPE, headers=headers)
 
     async def tile(self, request: Request) -> Response:
         parts = request.path_params
@@ -199,8 +203,8 @@ class _Service:
 
     async def _drawn(self, request: Request, path: Path, drawing: Drawing, headers: dict[str, str]) -> Response:
         headers = headers | self._caching(path, drawing)
-        if request.headers.get("if-none-match") == headers["etag"]:
-            return Response(status_code=304, headers=headers)
+        if answer := unchanged(request, headers):
+            return answer
         media_type = FORMATS[drawing.format]
         if request.method == "HEAD":
             response = Response(media_type=media_type, headers=headers)

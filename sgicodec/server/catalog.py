@@ -42,6 +42,9 @@ class Catalog(Protocol):
     def find(self, name: str) -> Path:
         """The file of that name. Raises Refusal."""
 
+    def has_folder(self, name: str) -> bool:
+        """Whether there is a folder of that name."""
+
     def listing(self, name: str) -> Listing:
         """What lies in the folder of that name; "" is the top. Raises Refusal."""
 
@@ -65,6 +68,13 @@ class Folder:
         if path.suffix.lower() != SUFFIX or not _is_stream(path):
             raise _absent(name)
         return path
+
+    def has_folder(self, name: str) -> bool:
+        """See `Catalog`."""
+        try:
+            return self._inside(name).is_dir()
+        except Refusal:
+            return False
 
     def listing(self, name: str) -> Listing:
         """See `Catalog`."""
@@ -112,6 +122,10 @@ class ListedFiles:
         if name not in self._files or not self._files[name].is_file():
             raise _absent(name)
         return self._files[name]
+
+    def has_folder(self, name: str) -> bool:
+        """See `Catalog`."""
+        return False
 
     def listing(self, name: str) -> Listing:
         """See `Catalog`."""

@@ -54,9 +54,12 @@ def drawn(stream: Stream, drawing: Drawing) -> bytes:
     buffer = io.BytesIO()
     name, options = _OPTIONS[drawing.format]
     icc = picture.metadata.icc
+    image = _image(picture, drawing)
     if icc is not None and len(icc) <= _LARGEST_PROFILE and drawing.quality in ("default", "color"):
-        options = options | {"icc_profile": icc}
-    _image(picture, drawing).save(buffer, name, **options)
+        is_gray = image.mode in ("L", "LA") and drawing.format != "webp"  # which has colours alone
+        if is_gray == (icc[16:20] == b"GRAY"):
+            options = options | {"icc_profile": icc}
+    image.save(buffer, name, **options)
     return buffer.getvalue()
 
 

@@ -22,7 +22,8 @@ TILE = 512
 _REAL_FORMATS = {"gif", "jp2", "pdf"}
 """Formats of the standard that are not rendered."""
 
-_INTEGER, _NUMBER = r"(\d{1,9})", r"(\d{1,9}(?:\.\d{1,10})?)"
+_INTEGER, _NUMBER = r"([0-9]{1,99})", r"([0-9]{1,99}(?:\.[0-9]{1,99})?)"
+"""Long enough for any, and short enough for a float."""
 
 
 @dataclass(frozen=True)

@@ -48,11 +48,48 @@ def test_versions(get: Client) -> None:
     assert get(FILE, Range="bytes=9999999-").status == 416
 
 
+@pytest.mark.parametrize("asked", ["lines=1-2", "bytes=5-2", "bytes=x-", "bytes=-", "bytes", "bytes=0-1,x"])
+def test_ranges_that_are_none(get: Client, asked: str) -> None:
+    assert get(FILE, Range=asked).status == 200
+
+
+def test_ranges_beyond_the_end(get: Client) -> None:
+    answer = get(FILE, Range="bytes=0-3, 9999999-")
+    assert (answer.status, answer.body) == (206, SIGNATURE[:4])
+
+
+@pytest.mark.parametrize(
+    "path",
+    [
+        *(FILE, "/iiif/3/wide.sgi/info.json", "/iiif/3/wide.sgi/manifest.json", "/dzi/wide.sgi.dzi"),
+        *("/iiif/3/wide.sgi/full/20,/0/default.png", "/dzi/wide.sgi_files/3/0_0.jpg"),
+    ],
+)
+def test_conditions(get: Client, path: str) -> None:
+    first = get(path)
+    tag, date = first.headers["etag"], first.headers["last-modified"]
+    for known in (tag, f"W/{tag}", f'"x", W/{tag}', "*"):
+        answer = get(path, If_None_Match=known)
+        assert (answer.status, answer.body) == (304, b"")
+        for name in ("etag", "last-modified", "cache-control", "vary"):
+            assert answer.headers.get(name) == first.headers.get(name)
+    assert get(path, If_Modified_Since=date).status == 304
+    assert get(path, If_None_Match='"x"', If_Modified_Since=date).status == 200
+    assert get(path, If_Modified_Since="Thu, 01 Jan 1970 00:00:00 GMT").status == 200
+
+
+def test_folders_have_a_slash(get: Client) -> None:
+    for name in ("sub%20dir", "folder.sgi"):
+        answer = get(f"/files/{name}")
+        assert (answer.status, answer.headers["location"]) == (307, f"/files/{name}/")
+    assert get("/files/linked").status == get("/iiif/3/folder.sgi/info.json").status == 404
+
+
 @pytest.mark.parametrize(
     "name",
     [
         *("outside.sgi", "../outside.sgi", "..%2Foutside.sgi", "%2e%2e/outside.sgi", "%2e%2e%2foutside.sgi"),
-        *("link.sgi", "linked/outside.sgi", "linked%2Foutside.sgi", ".hidden.sgi", "notes.txt", "folder.sgi"),
+        *("link.sgi", "linked/outside.sgi", "linked%2Foutside.sgi", ".hidden.sgi", "notes.txt"),
         *("sub dir/../../outside.sgi", "sub%20dir/..%2f..%2foutside.sgi", "%2Fetc%2Fpasswd", "/etc/passwd"),
         *(
             "rgb8-tiles.sgi%00",

@@ -14,6 +14,9 @@ from http_server import Answer, Client
 from PIL import Image
 
 import sgicodec
+from sgicodec.metadata.blobs import Metadata
+from sgicodec.picture import Picture
+from sgicodec.server.drawing import Drawing, drawn
 
 TILES = "/iiif/3/rgb8-tiles.sgi"
 WIDE = "/iiif/3/wide.sgi"
@@ -69,6 +72,7 @@ def test_sizes(get: Client, size: str, expected: tuple[int, int]) -> None:
             ("1000,30,500,500", (1000, 30, 1100, 40)),
         ),
         *(("pct:0,0,100,100", (0, 0, 1100, 40)), ("1099,39,1,1", (1099, 39, 1100, 40))),
+        ("1000,30,99999999999999999999,500", (1000, 30, 1100, 40)),
     ],
 )
 def test_regions(get: Client, folder: Path, region: str, box: tuple[int, int, int, int]) -> None:
@@ -102,6 +106,17 @@ def test_qualities_and_formats(get: Client, name: str) -> None:
                 assert image.mode in ("L", "LA")
 
 
+@pytest.mark.parametrize(("channels", "space"), [("gray", b"GRAY"), ("rgb", b"RGB ")])
+def test_profiles_are_those_of_the_samples(channels: str, space: bytes) -> None:
+    profile = bytes(16) + space + bytes(108)
+    samples = np.full((8, 8, 1 if channels == "gray" else 3), 90, np.uint8)
+    picture = Picture(samples, channels, (0.0, 255.0), Metadata(icc=profile))
+    with sgicodec.open(sgicodec.encode(picture, steps=1)) as stream:
+        for format_ in ("jpg", "png", "webp", "tif"):
+            image = Image.open(io.BytesIO(drawn(stream, Drawing((0, 0, 8, 8), (8, 8), format_))))
+            assert ("icc_profile" in image.info) == ((image.mode == "L") == (channels == "gray"))
+
+
 @pytest.mark.parametrize(
     ("path", "status"),
     [
@@ -115,11 +130,16 @@ def test_qualities_and_formats(get: Client, name: str) -> None:
         *(("full/^9999,9999/0/default.jpg", 400), ("full/full/0/default.jpg", 400), ("full/!0,5/0/default.jpg", 400)),
         *(("full/max/45/default.jpg", 501), ("full/max/361/default.jpg", 400), ("full/max/x/default.jpg", 400)),
         *(("full/max/0/native.jpg", 400), ("full/max/0/default.gif", 501), ("full/max/0/default.xyz", 400)),
+        *(
+            ("٠,0,5,5/max/0/default.jpg", 400),
+            ("full/٩,/0/default.jpg", 400),
+            (f"full/^{'9' * 99},/0/default.jpg", 400),
+        ),
         *(("full/max/0/default", 404), ("full/max/0", 404), ("full/99999999999999999999,/0/default.jpg", 400)),
     ],
 )
 def test_errors(get: Client, path: str, status: int) -> None:
-    answer = get(f"{WIDE}/{path}")
+    answer = get(f"{WIDE}/{quote(path, safe='/,:!^')}")
     assert answer.status == status
     assert answer.headers["content-type"].startswith("text/plain")
     assert answer.text.strip()
