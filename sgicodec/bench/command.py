@@ -34,6 +34,8 @@ _PEERS = ("jpeg", "jpegli", "jpeg2000", "webp", "jxl", "avif-iq", "avif", "avif-
 _PUBLISHED = ("coolchic5",)
 _CODECS = ("sgi", *_PEERS, *_PUBLISHED)
 _FILE = click.Path(path_type=Path)
+_SCHEMA = 1
+"""Of what `compare --json` prints: grows when a key goes or changes its meaning."""
 _PERCEIVED = {
     "ssimulacra2": ("SSIMULACRA 2", 2),
     "butteraugli": ("Butteraugli 3-norm", 3),
@@ -227,6 +229,10 @@ def compare(
     if map_path is not None and Path(map_path).exists() and not force:
         raise OutputExistsError(f"{map_path} exists; give -f to overwrite it")
     reference, other = _picture(a), _picture(b)
+    profiles = reference.metadata.icc, other.metadata.icc
+    if profiles[0] != profiles[1]:
+        what = "only one has an ICC profile" if None in profiles else "their ICC profiles differ"
+        click.echo(f"sgi: {what}; samples are compared as they are", err=True)
     if reference.channels != other.channels:
         reference, other = without_opaque_alpha(reference), without_opaque_alpha(other)
     if reference.pixels.dtype == other.pixels.dtype:  # else the scores say that they cannot be compared
@@ -238,7 +244,7 @@ def compare(
     if as_json:
         figures = dataclasses.asdict(found) | dataclasses.asdict(seen) | {"largest_difference": largest}
         finite = {name: v if v is not None and math.isfinite(v) else None for name, v in figures.items()}
-        click.echo(json.dumps(finite))
+        click.echo(json.dumps({"schema": _SCHEMA} | finite))
     else:
         peak = "" if reference.sample_range == (0.0, 255.0) else f" of the range {range_text(reference.sample_range)}"
         click.echo(f"PSNR                {found.psnr:.3f} dB{peak}")

@@ -92,7 +92,8 @@ def check_pair(a: Pixels, b: Pixels) -> None:
             raise UsageError(f"pixels must be a filled array [H, W, C], not of shape {pixels.shape}")
     if a.shape != b.shape:
         shapes = " and ".join(f"{p.shape[1]}x{p.shape[0]} with {p.shape[2]} channels" for p in (a, b))
-        raise UsageError(f"pictures differ in size: {shapes}; only equal shapes can be compared")
+        what = "channels" if a.shape[:2] == b.shape[:2] else "size"
+        raise UsageError(f"pictures differ in {what}: {shapes}; only equal shapes can be compared")
     if a.dtype != b.dtype:
         raise UsageError(f"pictures differ in depth: {a.dtype} and {b.dtype}; convert one of them first")
 

@@ -18,6 +18,7 @@ from sgicodec.errors import OutputExistsError, SgiError, StreamError, TargetMiss
 from sgicodec.metrics.perceptual import Perceived
 
 Image = pytest.importorskip("PIL.Image")
+ImageCms = pytest.importorskip("PIL.ImageCms")
 
 
 def save(path: Path, pixels: np.ndarray) -> Path:
@@ -180,4 +181,19 @@ def test_compare_fails_under_a_target(tmp_path: Path) -> None:
 def test_compare_refuses_unlike_pictures(tmp_path: Path) -> None:
     a = save(tmp_path / "a.png", picture())
     b = save(tmp_path / "b.png", picture()[:-1])
-    assert "56x40 with 3 channels and 56x39" in str(call(compare, a, b).exception)
+    assert "differ in size: 56x40 with 3 channels and 56x39" in str(call(compare, a, b).exception)
+    gray = save(tmp_path / "gray.png", picture()[..., 0])
+    assert "differ in channels: 56x40 with 3 channels" in str(call(compare, a, gray).exception)
+
+
+def test_compare_tells_of_profiles(tmp_path: Path) -> None:
+    plain, first, second = (tmp_path / f"{name}.png" for name in ("plain", "first", "second"))
+    save(plain, picture())
+    profile = ImageCms.ImageCmsProfile(ImageCms.createProfile("sRGB")).tobytes()
+    for path, number in ((first, b"1"), (second, b"2")):
+        Image.fromarray(picture()).save(path, icc_profile=profile[:84] + number * 16 + profile[100:])
+    assert call(compare, first, first).stderr == ""
+    result = call(compare, plain, first, "--json")
+    assert result.stderr == "sgi: only one has an ICC profile; samples are compared as they are\n"
+    assert json.loads(result.stdout)["schema"] == 1
+    assert call(compare, first, second).stderr.startswith("sgi: their ICC profiles differ; ")
