@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import asyncio
 import os
 from collections.abc import Callable
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +23,9 @@ __all__ = ["write_ome_zarr"]
 
 _CHUNK = 512
 """Side of chunks, in pixels."""
+
+_DESCRIPTORS = 10
+"""Files that must open at a time: three of zarr's event loop, and those by which a folder of chunks is removed."""
 
 _NAMES = {"gray": ("Gray",), "gray+alpha": ("Gray", "Alpha"), "rgb": ("Red", "Green", "Blue")}
 _NAMES["rgba"] = (*_NAMES["rgb"], "Alpha")
@@ -43,10 +48,35 @@ def write_ome_zarr(
     target = Path(os.path.realpath(path))
     try:
         with scratch_folder(target.parent) as folder:
-            _write(stream, folder / "new", view, done)
+            _check_descriptors()
+            try:
+                _write(stream, folder / "new", view, done)
+            except BaseException:
+                _await_writers()
+                raise
             _replace(target, folder)
     except OSError as error:
         raise PictureError(f"{path}: {error.strerror or error}") from error
+
+
+def _check_descriptors() -> None:
+    """Raises OSError where there are too few: zarr's event loop would print traces."""
+    with ExitStack() as stack:
+        for _ in range(_DESCRIPTORS):
+            stack.enter_context(open(os.devnull, "rb"))
+
+
+def _await_writers() -> None:
+    """Lets zarr finish the chunks beside one that failed: they would be written into a folder that is removed, and end
+    in traces.
+    """
+    from zarr.core.sync import sync
+
+    async def others_end() -> None:
+        while tasks := asyncio.all_tasks() - {asyncio.current_task()}:
+            await asyncio.wait(tasks)
+
+    sync(others_end())
 
 
 def _replace(target: Path, folder: Path) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -106,3 +108,24 @@ def test_what_goes_not_together(stream: sgicodec.Stream, tmp_path: Path) -> None
         result = sgi("decode", GOLDEN / "rgb8.sgi", tmp_path / "a.zarr", option)
         assert (result.exit_code, "is OME-Zarr" in result.stderr) == (2, True)
     assert not list(tmp_path.iterdir())
+
+
+FULL = """
+import resource, sys, sgicodec
+from sgicodec.plugins.ome_zarr import write_ome_zarr
+resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096))
+try:
+    write_ome_zarr(sgicodec.open(sys.argv[1]), sys.argv[2], size=(3000, 2000))
+except sgicodec.SgiError as error:
+    print(error)
+"""
+
+
+def test_a_failure_leaves_nothing_and_prints_nothing(tmp_path: Path) -> None:
+    """Some chunks are smaller than what files may have, and many are written at a time."""
+    pytest.importorskip("resource")
+    out = tmp_path / "a.zarr"
+    command = [sys.executable, "-c", FULL, str(GOLDEN / "rgb8.sgi"), str(out)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert (done.stdout, done.stderr) == (f"{out}: File too large\n", "")
+    assert list(tmp_path.iterdir()) == []
