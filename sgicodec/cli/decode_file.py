@@ -25,7 +25,7 @@ from sgicodec.cli.paths import (
     size_of,
     with_extension,
 )
-from sgicodec.cli.pictures import Output, write_bands, write_picture, write_pyramid
+from sgicodec.cli.pictures import Output, path_for, write_bands, write_picture, write_pyramid
 from sgicodec.cli.place import losses, lost_outside_tiff
 from sgicodec.cli.progress import Mode, row_progress
 from sgicodec.cli.residual import check_below
@@ -36,6 +36,7 @@ from sgicodec.metadata.blobs import Metadata
 from sgicodec.plugins.ome_name import is_zarr_name
 
 if TYPE_CHECKING:
+    from sgicodec.cli.pictures import Pyramid
     from sgicodec.decoder.stream import Bands, Stream
     from sgicodec.picture import Picture
 
@@ -91,7 +92,7 @@ class DecodeJob:
         return os.path.exists(target or with_extension(source, self.extension_of(source)))
 
     def run(self, source: str, target: str | None) -> int:
-        """Decodes one stream; returns the bytes of the picture, 0 if it went to stdout."""
+        """Decodes one stream; returns the bytes of the picture."""
         started = time.monotonic()
         with self._opened(source) as stream:
             extension = self._extension(stream, target)
@@ -102,13 +103,13 @@ class DecodeJob:
                 raise UsageError("stdout cannot take both the picture and --json; name OUT")
             becomes: Literal["picture"] | None = None if self.named else "picture"
             check_output(target, (source,), self.force, by_default=self.by_default, becomes=becomes)
-            dtype, cog = _DTYPES[self.output.bits], self.output.pyramid_of(target) == "cog"
+            dtype, kind = _DTYPES[self.output.bits], self.output.pyramid_of(target)
             dtype = None if dtype == stream.header.sample_type else dtype
-            lost = losses(stream.metadata, stream.nodata, extension, dtype, cog)
+            lost = losses(stream.metadata, stream.nodata, extension, dtype, kind == "cog")
             self._load_writer(target, extension)
-            with self.limits.held():
-                shown, channels = self._write(stream, target, extension), stream.header.channels
-                size = 0 if target == STANDARD else size_of(target)
+            with self.limits.held(), path_for(target, extension) as path:
+                shown, channels = self._write(stream, path, extension, kind), stream.header.channels
+                size = size_of(path)
         for line in () if self.quiet else lost:
             click.echo(f"sgi: {display(target, 'stdout')}: {line}", err=True)
         if self.as_json:
@@ -116,9 +117,8 @@ class DecodeJob:
             facts = {"width": shown.width, "height": shown.height, "channels": channels, "format": extension}
             print_json(names | facts | {"bytes": size, "seconds": time.monotonic() - started})
         elif not self.quiet:
-            line = f"{display(target, 'stdout')}: {shown.width}×{shown.height} pixels, {channels}, "
-            line += f"{size:,} bytes, " if target != STANDARD else ""
-            click.echo(f"{line}{time.monotonic() - started:.1f} s", err=target == STANDARD)
+            line = f"{display(target, 'stdout')}: {shown.width}×{shown.height} pixels, {channels}, {size:,} bytes"
+            click.echo(f"{line}, {time.monotonic() - started:.1f} s", err=target == STANDARD)
         return size
 
     def _load_writer(self, target: str, extension: str) -> None:
@@ -140,7 +140,7 @@ class DecodeJob:
         with contextlib.suppress(ImportError):  # told by what writes it
             import_module(names[-1])
 
-    def _write(self, stream: Stream, target: str, extension: str) -> Bands | Picture:
+    def _write(self, stream: Stream, path: Path, extension: str, pyramid: Pyramid | None) -> Bands | Picture:
         if self.lossy:
             check_below(stream)
         stream.exact, stream.dither, stream.lossy = self.exact, self.dither, self.lossy
@@ -149,7 +149,6 @@ class DecodeJob:
         view = self.view.of(stream) | {"dtype": _DTYPES[self.output.bits]}
         mode: Mode = "off" if self.quiet else self.progress
         bands = stream.bands(**view)
-        pyramid = self.output.pyramid_of(target)
         whole = stream.grid.count == 1 and pyramid is None
         rows = bands.height if whole else bands.rows
         if pyramid is None:
@@ -157,15 +156,15 @@ class DecodeJob:
         self.limits.check(bands.width, bands.height, bands.row_bytes * rows)
         if pyramid is not None:
             with row_progress(mode, bands.height) as draw:
-                write_pyramid(stream, view, target, self.output, draw)
+                write_pyramid(stream, view, path, pyramid, self.output, draw)
             return bands
         if not whole:
             with row_progress(mode, bands.height) as draw:
-                write_bands(stream.header, bands, target, extension, self.output, draw)
+                write_bands(stream.header, bands, path, extension, self.output, draw)
             return bands
         with row_progress(mode, None):
             picture = stream.picture(**view)
-            write_picture(picture, target, extension, self.output)
+            write_picture(picture, path, extension, self.output)
         return picture
 
     def _extension(self, stream: Stream, target: str | None) -> str:

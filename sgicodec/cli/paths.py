@@ -91,7 +91,7 @@ def refuse_folder(source: str, content: str, failure: type[SgiError]) -> None:
         raise failure(f"{display(source)}: it is a folder; add -r to take the {content} in it")
 
 
-def size_of(path: str) -> int:
+def size_of(path: str | Path) -> int:
     """Bytes of a file, or of all files in a folder and its subfolders."""
     if not os.path.isdir(path):
         return os.stat(path).st_size

@@ -1,15 +1,16 @@
-"""Where a decoded picture goes: to a file or stdout, whole or band by band."""
+"""Where a decoded picture goes: to a file, a pipe or stdout, whole or band by band."""
 
 from __future__ import annotations
 
 import contextlib
-import io
+import os
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from sgicodec.cli.paths import STANDARD, output_file
+from sgicodec.cli.paths import STANDARD, display, output_file
+from sgicodec.errors import PictureError
 from sgicodec.plugins.compression import DEFLATE, Compression
 from sgicodec.plugins.ome_name import is_ome_name, is_zarr_name
 
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
     from sgicodec.image.sink import Sink
     from sgicodec.picture import Picture
 
-__all__ = ["Output", "write_bands", "write_picture", "write_pyramid"]
+__all__ = ["Output", "path_for", "write_bands", "write_picture", "write_pyramid"]
 
 Pyramid = Literal["tiff", "ome", "cog", "zarr"]
 
@@ -44,34 +45,38 @@ class Output:
         return "ome" if self.pyramid != "cog" and is_ome_name(target) else self.pyramid
 
 
-def write_picture(picture: Picture, target: str, extension: str, output: Output) -> None:
+@contextlib.contextmanager
+def path_for(target: str, extension: str) -> Iterator[Path]:
+    """Where a picture is written: OUT, or a file that goes to stdout, a pipe or a device after the block."""
+    if target != STANDARD and (os.path.isfile(target) or os.path.isdir(target) or not os.path.exists(target)):
+        yield Path(target)
+        return
+    from shutil import copyfileobj  # takes long to load, as does the other
+
+    from sgicodec.files.scratch import scratch_folder
+
+    with scratch_folder() as folder:
+        path = folder / f"picture.{extension}"
+        try:
+            yield path
+        except PictureError as error:
+            raise PictureError(str(error).replace(str(path), display(target, "stdout"))) from error
+        with path.open("rb") as file, output_file(target) as out:
+            copyfileobj(file, out)
+
+
+def write_picture(picture: Picture, path: Path, extension: str, output: Output) -> None:
     """Writes a picture that is in memory."""
     from sgicodec.image.writer import write
 
-    options = {"png_level": output.png_level, "threads": output.threads}
-    if target != STANDARD:
-        write(picture, target, format=extension, **options)  # type: ignore[arg-type]
-        return
-    buffer = io.BytesIO()
-    write(picture, buffer, format=extension, **options)  # type: ignore[arg-type]
-    with output_file(target) as file:
-        file.write(buffer.getvalue())
+    write(picture, path, format=extension, png_level=output.png_level, threads=output.threads)
 
 
 def write_pyramid(
-    stream: Stream, view: dict[str, Any], target: str, output: Output, draw: Callable[[int], None]
+    stream: Stream, view: dict[str, Any], path: Path, kind: Pyramid, output: Output, draw: Callable[[int], None]
 ) -> None:
-    """Writes a stream as a tiled TIFF with reductions. draw: as for `write_bands`. Raises SgiError."""
-    kind = output.pyramid_of(target) or "tiff"
+    """Writes a stream with reductions. draw: as for `write_bands`. Raises SgiError."""
     options = view | {"done": draw, "compression": output.compression or DEFLATE}
-    if target != STANDARD:
-        _write_pyramid(stream, Path(target), kind, options)
-        return
-    with _copied_out("pyramid.tif") as path:
-        _write_pyramid(stream, path, kind, options)
-
-
-def _write_pyramid(stream: Stream, path: Path, kind: Pyramid, options: dict[str, Any]) -> None:
     if kind == "zarr":
         from sgicodec.plugins.ome_zarr import write_ome_zarr
 
@@ -89,35 +94,11 @@ def _write_pyramid(stream: Stream, path: Path, kind: Pyramid, options: dict[str,
 
 
 def write_bands(
-    header: Header, bands: Bands, target: str, extension: str, output: Output, draw: Callable[[int], None]
+    header: Header, bands: Bands, path: Path, extension: str, output: Output, draw: Callable[[int], None]
 ) -> None:
     """Writes a picture band by band: no more than one of them is ever in memory. draw: called with the rows that are
     done. Raises PictureError or StreamError.
     """
-    if target != STANDARD:
-        _write_bands(header, bands, Path(target), extension, output, draw)
-        return
-    with _copied_out(f"picture.{extension}") as path:
-        _write_bands(header, bands, path, extension, output, draw)
-
-
-@contextlib.contextmanager
-def _copied_out(name: str) -> Iterator[Path]:
-    """A file of this name to be written, which goes to stdout after the block."""
-    from shutil import copyfileobj  # takes long to load, as does the other
-
-    from sgicodec.files.scratch import scratch_folder
-
-    with scratch_folder() as folder:
-        path = folder / name
-        yield path
-        with path.open("rb") as file, output_file(STANDARD) as stdout:
-            copyfileobj(file, stdout)
-
-
-def _write_bands(
-    header: Header, bands: Bands, path: Path, extension: str, output: Output, draw: Callable[[int], None]
-) -> None:
     sink: Sink | None = None
     try:
         for top, picture in bands:

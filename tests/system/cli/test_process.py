@@ -60,6 +60,18 @@ def test_pipes_are_read_once(shared: Path, tmp_path: Path, kind: str, tile: int)
     assert target.read_bytes() == (tmp_path / "file.sgi").read_bytes()
 
 
+@pytest.mark.parametrize("options", [[], ["--pyramid"]])
+def test_pipes_are_written(stream: Path, tmp_path: Path, options: list[str]) -> None:
+    """What arrives is what the report says."""
+    pipe, file = tmp_path / "out.tif", tmp_path / "file.tif"
+    assert start("decode", stream, file, *options).wait(HANGS) == 0
+    os.mkfifo(pipe)
+    process = start("decode", stream, pipe, *options)
+    assert pipe.read_bytes() == file.read_bytes()
+    report, _ = process.communicate(timeout=HANGS)
+    assert f", {file.stat().st_size:,} bytes, " in report.decode()
+
+
 def test_a_cluster_cannot_read_a_pipe(shared: Path, tmp_path: Path) -> None:
     process = start("encode", "/dev/fd/0", tmp_path / "x.sgi", "--tile", 32, "--cluster", "local:1", "--quiet")
     _, errors = process.communicate((shared / "scene.png").read_bytes(), timeout=HANGS)
