@@ -122,7 +122,7 @@ class Opened:
     def left_behind(self) -> list[str]:
         """What the page says that is not kept; read for that."""
         if isinstance(self.image, SlideReader | ZarrReader):
-            return []
+            return self.image.left_behind()
         with self.path.open("rb") as file:
             directory = self.page.directory
             data = PageBytes(file, directory) if directory and directory.number else FileBytes(file)

@@ -81,6 +81,10 @@ class SlideReader(Reader):
         icc = None if profile is None else profile.tobytes()
         return Metadata(icc=icc, exif=_description(properties), geo=geo.pack(resolution_tags(sizes)))
 
+    def left_behind(self) -> list[str]:
+        """Pictures beside the slide: its label, macro and thumbnail."""
+        return sorted(self._slide.associated_images)
+
     def spec(self) -> ImageSpec:
         """The header in OpenImageIO's terms."""
         import OpenImageIO as oiio

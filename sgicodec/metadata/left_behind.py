@@ -117,8 +117,7 @@ def _of_tiff(data: Bytes) -> list[str]:
     bits = entries[_BITS].short if _BITS in entries else 1
     for tag, name, usual in ((_LOW, "MinSampleValue", 0), (_HIGH, "MaxSampleValue", (1 << min(bits, 16)) - 1)):
         found += [name] * (tag in entries and entries[tag].short != usual)
-    if pages.has_mask(data):
-        found.append("a mask")
+    found += ["a mask"] * pages.has_mask(data) + pages.associated_images(data)
     private = sum(tag >= _FIRST_PRIVATE for tag in ifd.tags(data))
     return [*found, f"{private} private tag{'s' * (private > 1)}"] if private else found
 

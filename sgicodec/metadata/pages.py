@@ -10,17 +10,19 @@ from typing import BinaryIO, NamedTuple, overload
 from sgicodec.metadata import ifd
 from sgicodec.metadata.filebytes import Bytes, FileBytes
 
-__all__ = ["Page", "PageBytes", "has_mask", "tiff_pages"]
+__all__ = ["Page", "PageBytes", "associated_images", "has_mask", "tiff_pages"]
 
 _SUBFILE, _OLD_SUBFILE, _WIDTH, _HEIGHT, _DESCRIPTION, _TILE_WIDTH = 254, 255, 256, 257, 270, 322
 _ASKED = (_SUBFILE, _OLD_SUBFILE, _WIDTH, _HEIGHT, _TILE_WIDTH)
 _REDUCED, _MASK, _OLD_REDUCED = 1, 4, 2
 _APERIO = b"Aperio"
+_ASSOCIATED = {0: "thumbnail", 1: "label", 9: "macro"}
+"""Aperio's pictures that are in strips, by their NewSubfileType."""
 
 
 class Page(NamedTuple):
     """A directory: its number in the file, from 0, its offset, the size of its picture, whether that is in tiles, and
-    is a mask of another.
+    what it is to others (the tag NewSubfileType).
     """
 
     number: int
@@ -28,7 +30,12 @@ class Page(NamedTuple):
     width: int = 0
     height: int = 0
     tiled: bool = False
-    is_mask: bool = False
+    subfile: int = 0
+
+    @property
+    def is_mask(self) -> bool:
+        """Whether it is a mask of another."""
+        return self.subfile & _MASK > 0
 
 
 def tiff_pages(data: Bytes) -> list[Page]:
@@ -50,6 +57,15 @@ def has_mask(data: Bytes) -> bool:
     return spelling is not None and any(page.is_mask for page, _ in _directories(data, spelling))
 
 
+def associated_images(data: Bytes) -> list[str]:
+    """What Aperio's pictures beside a slide are called."""
+    spelling = ifd.layout(data)
+    if spelling is None or not _is_slide(data):
+        return []
+    others = (page for page, _ in _directories(data, spelling) if page.number and not page.tiled)
+    return sorted(_ASSOCIATED.get(page.subfile, "another picture") for page in others)
+
+
 def _directories(data: Bytes, spelling: ifd.Layout) -> Iterator[tuple[Page, bool]]:
     """Each directory of the chain, and whether it says nothing of being a part of another."""
     seen: set[int] = set()
@@ -61,7 +77,7 @@ def _directories(data: Bytes, spelling: ifd.Layout) -> Iterator[tuple[Page, bool
             values = {row.tag: ifd.first_integer(data, row, spelling) for row in found if row.tag in _ASKED}
             own = not values.get(_SUBFILE, 0) & (_REDUCED | _MASK) and values.get(_OLD_SUBFILE) != _OLD_REDUCED
             size = values.get(_WIDTH, 0), values.get(_HEIGHT, 0)
-            yield Page(len(seen) - 1, offset, *size, _TILE_WIDTH in values, values.get(_SUBFILE, 0) & _MASK > 0), own
+            yield Page(len(seen) - 1, offset, *size, _TILE_WIDTH in values, values.get(_SUBFILE, 0)), own
             end = offset + spelling.count.size + len(found) * spelling.row.size
             offset = ifd.offset(data, end, spelling)
     except struct.error:

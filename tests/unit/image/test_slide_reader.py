@@ -60,6 +60,21 @@ def test_windows(slide: Path) -> None:
             np.testing.assert_array_equal(source.read(x, y, width, height).pixels, whole[y : y + height, x : x + width])
 
 
+@pytest.mark.parametrize("compression", ["jpeg2000", "deflate"])
+def test_pictures_beside_it_are_named(slide: Path, tmp_path: Path, compression: str) -> None:
+    path = slide
+    if compression == "deflate":  # which OpenImageIO reads
+        path = tmp_path / "a.svs"
+        with tifffile.TiffFile(slide) as old, tifffile.TiffWriter(path) as new:
+            for page in old.pages:
+                options = {"tile": (256, 256)} if page.is_tiled else {"subfiletype": page.subfiletype}
+                text = {"description": page.description, "metadata": None}
+                new.write(page.asarray(), photometric="rgb", compression="deflate", **options, **text)
+    assert is_slide(path) == (compression == "jpeg2000")
+    with sgicodec.open_source(path) as source:
+        assert source.notes[-1] == "not kept: label, macro, thumbnail"
+
+
 class Scan(SimpleNamespace):
     """A slide of MIRAX, of whose canvas a part was scanned."""
 
@@ -70,6 +85,7 @@ class Scan(SimpleNamespace):
             | {"openslide.mpp-x": "0.25", "openslide.mpp-y": "none", "openslide.background-color": "0a1400"},
             dimensions=(1000, 900),
             color_profile=None,
+            associated_images={},
         )
 
     def read_region(self, location: tuple[int, int], level: int, size: tuple[int, int]) -> Image.Image:
