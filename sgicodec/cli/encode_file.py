@@ -6,7 +6,7 @@ import os
 import sys
 import time
 from contextlib import ExitStack
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO, Literal
 
@@ -24,6 +24,7 @@ from sgicodec.image.source import open_to_encode
 
 if TYPE_CHECKING:
     from sgicodec.device import Device
+    from sgicodec.encoder.plan import Plan
     from sgicodec.encoder.settings import EncodeSettings
     from sgicodec.executors.executor import Executor
     from sgicodec.image.opened import Alpha
@@ -115,6 +116,7 @@ def encode_file(origin: str, target: str, options: EncodeOptions, started: float
                 )
         except TargetMissedError as error:
             missed, encoded = str(error), error.nearest
+            missed += _hint(listener.plan, encoded.size)
         except KeyboardInterrupt:
             if not checkpoint.tiles or target == STANDARD:
                 raise
@@ -132,6 +134,14 @@ def encode_file(origin: str, target: str, options: EncodeOptions, started: float
     if listener.ended_early and options.is_batch:
         raise KeyboardInterrupt
     return encoded.size
+
+
+def _hint(plan: Plan, size: int) -> str:
+    """What to do about a stream that is too large, where metadata are most of it."""
+    metadata, settings = plan.metadata, plan.settings
+    is_quality = settings.psnr is not None or settings.ssimulacra2 is not None
+    taken = 0 if metadata is None or is_quality else sum(len(blob or b"") for blob in asdict(metadata).values())
+    return f", {taken:,} of them metadata, which --no-metadata leaves out" if 2 * taken > size else ""
 
 
 def _executor(origin: str, options: EncodeOptions, source: Source, stack: ExitStack) -> Executor | None:

@@ -10,11 +10,13 @@ from typing import Any
 import numpy as np
 import pytest
 from command import sgi
+from PIL import ImageCms
 
 from sgicodec import write
 from sgicodec.cli.encode_listener import EncodeListener
 from sgicodec.decoder.stream import open_stream
 from sgicodec.encoder import streams
+from sgicodec.metadata.blobs import Metadata
 from sgicodec.metrics.psnr import psnr
 from sgicodec.picture import Picture
 from sgicodec.profiles.default import lmbda_of_quality
@@ -164,6 +166,17 @@ def test_a_size_that_is_missed(picture: Path) -> None:
     )
     assert f"{target.stat().st_size:,} bytes" in result.stdout
     assert sgi("verify", target).exit_code == 0
+
+
+def test_a_size_that_metadata_exceed(pixels: np.ndarray, tmp_path: Path) -> None:
+    source = tmp_path / "a.png"
+    profile = ImageCms.ImageCmsProfile(ImageCms.createProfile("sRGB")).tobytes()
+    write(Picture(pixels, "rgb", (0.0, 255.0), Metadata(icc=profile)), source)
+    result = sgi("encode", source, "--size", 500, "--steps", 2)
+    assert (result.exit_code, result.stderr.count("\n")) == (5, 1)
+    assert " of them metadata, which --no-metadata leaves out; it is written to " in result.stderr
+    assert sgi("encode", source, "--size", 500, "--steps", 2, "--no-metadata", "-f").exit_code == 0
+    assert "--no-metadata" not in sgi("encode", source, "--psnr", 90, "--steps", 2, "-f").stderr
 
 
 def test_ctrl_c_on_the_way_to_a_goal(picture: Path, monkeypatch: pytest.MonkeyPatch) -> None:
