@@ -21,6 +21,7 @@ from sgicodec.cli.paths import (
     check_output,
     display,
     local_name,
+    name_of,
     opened_stream,
     size_of,
     with_extension,
@@ -113,7 +114,7 @@ class DecodeJob:
         for line in () if self.quiet else lost:
             click.echo(f"sgi: {display(target, 'stdout')}: {line}", err=True)
         if self.as_json:
-            names = {"input": display(source), "output": display(target)}
+            names = {"input": name_of(source), "output": name_of(target)}
             facts = {"width": shown.width, "height": shown.height, "channels": channels, "format": extension}
             print_json(names | facts | {"bytes": size, "seconds": time.monotonic() - started})
         elif not self.quiet:

@@ -11,7 +11,7 @@ from sgicodec.cli.files import each_file
 from sgicodec.cli.json_output import print_json
 from sgicodec.cli.options import complete_files, json_option
 from sgicodec.cli.parts import all_parts, chunk_parts, metadata_bytes, print_parts, whole_bytes
-from sgicodec.cli.paths import display, opened_stream
+from sgicodec.cli.paths import display, name_of, opened_stream
 from sgicodec.metadata.layouts import range_text
 
 if TYPE_CHECKING:
@@ -54,7 +54,7 @@ def _show(source: str, with_survey: bool, as_json: bool) -> None:
     table = _profile_parts(facts["profile"], parts) if survey is not None else parts
     if as_json:
         own = {f"{facts['profile']}_parts": whole_bytes(table)} if table.keys() != parts.keys() else {}
-        print_json({"input": display(source)} | facts | {"parts": whole_bytes(parts)} | own)
+        print_json({"input": name_of(source)} | facts | {"parts": whole_bytes(parts)} | own)
         return
     click.echo(f"{display(source)}")
     for name, text in _lines(stream, facts).items():

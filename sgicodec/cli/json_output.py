@@ -15,5 +15,6 @@ SCHEMA = 1
 
 
 def print_json(facts: Mapping[str, Any]) -> None:
-    """Prints an object on one line of stdout."""
-    click.echo(json.dumps({"schema": SCHEMA} | dict(facts), ensure_ascii=False, allow_nan=False))
+    """Prints an object on one line of stdout. Bytes of names that are no UTF-8 are escaped as Python has them."""
+    text = json.dumps({"schema": SCHEMA} | dict(facts), ensure_ascii=False, allow_nan=False)
+    click.echo(text.encode("utf-8", "backslashreplace").decode())

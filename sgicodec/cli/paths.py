@@ -26,6 +26,7 @@ __all__ = [
     "given",
     "is_stream",
     "local_name",
+    "name_of",
     "naming_stream",
     "opened_stream",
     "output_file",
@@ -38,9 +39,14 @@ __all__ = [
 STANDARD = "-"
 
 
+def name_of(path: str, standard: str = "stdin") -> str:
+    """What to call an argument in JSON."""
+    return standard if path == STANDARD else path
+
+
 def display(path: str, standard: str = "stdin") -> str:
     """What to call an argument in messages; undecodable bytes of a file name become question marks."""
-    return standard if path == STANDARD else os.fsencode(path).decode("utf-8", "replace")
+    return os.fsencode(name_of(path, standard)).decode("utf-8", "replace")
 
 
 def with_extension(path: str, extension: str) -> str:

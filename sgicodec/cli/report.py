@@ -10,7 +10,7 @@ import click
 
 from sgicodec.cli.json_output import print_json
 from sgicodec.cli.parts import all_parts, print_parts, whole_bytes
-from sgicodec.cli.paths import STANDARD, display
+from sgicodec.cli.paths import STANDARD, display, name_of
 from sgicodec.device import PROCESSOR
 from sgicodec.metadata.layouts import SampleRange, range_text
 
@@ -121,7 +121,7 @@ def print_report(
     """To stdout, or to stderr if stdout takes the stream. peak_mib: of all processes together, None if not known."""
     if as_json:
         psnr = report.psnr if report.psnr is None or math.isfinite(report.psnr) else None
-        figures: dict[str, Any] = {"input": display(source), "output": display(target, "stdout")} | asdict(report)
+        figures: dict[str, Any] = {"input": name_of(source), "output": name_of(target, "stdout")} | asdict(report)
         print_json(
             figures | {"psnr": psnr, "parts": whole_bytes(report.parts), "seconds": seconds, "peak_mib": peak_mib}
         )

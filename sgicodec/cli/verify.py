@@ -10,7 +10,7 @@ import click
 from sgicodec.cli.files import each_file
 from sgicodec.cli.json_output import print_json
 from sgicodec.cli.options import complete_files, json_option, threads_option
-from sgicodec.cli.paths import display, opened_stream
+from sgicodec.cli.paths import display, name_of, opened_stream
 from sgicodec.device import Device
 from sgicodec.errors import CorruptStreamError, StreamError
 
@@ -36,10 +36,10 @@ def verify(sources: tuple[str, ...], threads: int, as_json: bool, quiet: bool) -
             found = _verified(source, Device(threads))
         except StreamError as error:
             if as_json:
-                print_json({"input": display(source), "ok": False, "error": str(error)})
+                print_json({"input": name_of(source), "ok": False, "error": str(error)})
             raise
         if as_json:
-            print_json({"input": display(source), "ok": True, "error": None} | asdict(found))
+            print_json({"input": name_of(source), "ok": True, "error": None} | asdict(found))
         elif not quiet:
             size = f"{found.width}×{found.height} pixels"
             click.echo(f"{display(source)}: ok, {size}, symbols {found.symbol_crc}")

@@ -99,6 +99,8 @@ def test_any_locale_and_any_file_name(stream: Path) -> None:
         done = subprocess.run([*COMMAND, command, odd, *options], capture_output=True, env=environment)
         assert (done.returncode, b"sgi:" in done.stderr) == (0, False), done.stderr
     assert os.path.exists(odd[:-3] + b"ppm")
+    told = json.loads(subprocess.run([*COMMAND, "info", odd, "--json"], capture_output=True).stdout)
+    assert os.fsencode(told["input"]) == odd
 
 
 def test_interrupt_before_the_fit_writes_nothing(tmp_path: Path) -> None:
