@@ -21,7 +21,7 @@ from sgicodec.image.pillow_reader import PillowReader, is_for_pillow
 from sgicodec.image.planes import Planes
 from sgicodec.image.silence import without_libpng
 from sgicodec.image.tiff_reader import TiffReader, left_to_gdal
-from sgicodec.metadata import jp2, png
+from sgicodec.metadata import jp2, png, webp
 from sgicodec.metadata.filebytes import FileBytes
 
 if TYPE_CHECKING:
@@ -56,8 +56,8 @@ def open_image(path: Path, second: bool = False, page: int | None = None) -> Ima
     import OpenImageIO as oiio  # takes 30 ms: not for those who only decode to arrays
 
     with path.open("rb") as file:
-        head = file.read(16)
-    if second or is_for_pillow(head):
+        head = file.read(32)
+    if second or is_for_pillow(head) or webp.is_animated(head):
         return PillowReader(path, page)
     hints = oiio.ImageSpec()
     hints.attribute("oiio:UnassociatedAlpha", 1)

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 __all__ = ["ONLY", "PageChoice", "check_page", "chosen_page"]
 
-_COUNTED = ("gif", "webp", "openexr", "fits")
+_COUNTED = ("gif", "openexr", "fits")
 """Formats whose further images OpenImageIO shows, each of them a page. Those of others are layers, or the same picture
 in another size.
 """
@@ -25,8 +25,8 @@ in another size.
 
 class PageChoice(NamedTuple):
     """A page. subimage: its number to OpenImageIO; pages: how many there are; directory: of a TIFF, where it stands;
-    left_out: whether OpenImageIO does not read it; channels: the subimages of its channels, where each has one of its
-    own, whose names are `names`.
+    left_out: whether OpenImageIO does not read it, or only what changes in it; channels: the subimages of its channels,
+    where each has one of its own, whose names are `names`.
     """
 
     subimage: int = 0
@@ -63,13 +63,10 @@ def chosen_page(path: Path, data: Bytes, image: Any, page: int | None) -> PageCh
             )
         directory = found[(page or 1) - 1]
         return PageChoice(directory.number, count, directory)
-    if kind == "png":
-        frames = png.frames(data)
-        check_page(page, frames)
-        return PageChoice(0, frames, left_out=(page or 1) > 1)
-    count = _counted(path) if kind in _COUNTED else 1
+    count = png.frames(data) if kind == "png" else _counted(path) if kind in _COUNTED else 1
     check_page(page, count)
-    return PageChoice((page or 1) - 1, count)
+    is_change = kind in ("png", "gif") and (page or 1) > 1
+    return PageChoice(0 if is_change else (page or 1) - 1, count, left_out=is_change)
 
 
 def _page_of_channels(found: list[Page], planes: ChannelPlanes, page: int | None) -> PageChoice:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import warnings
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
@@ -14,9 +14,28 @@ from sgicodec.errors import PictureError, UsageError, require
 from sgicodec.image.decoded_picture import DecodedPicture
 from sgicodec.image.pages import check_page
 
+if TYPE_CHECKING:
+    from OpenImageIO import ImageSpec
+
 __all__ = ["PillowReader", "is_for_pillow"]
 
-_FORMATS = ("BMP", "DIB", "QOI", "XBM", "XPM", "PCX", "DCX", "ICO", "CUR", "ICNS", "MSP", "SUN", "TGA", "JPEG2000")
+_FORMATS = (
+    "WEBP",
+    "BMP",
+    "DIB",
+    "QOI",
+    "XBM",
+    "XPM",
+    "PCX",
+    "DCX",
+    "ICO",
+    "CUR",
+    "ICNS",
+    "MSP",
+    "SUN",
+    "TGA",
+    "JPEG2000",
+)
 """Those that Pillow reads whole and faithfully, in 8 bits. Damage in others is OpenImageIO's to find."""
 
 _SIGNATURES = {
@@ -32,8 +51,10 @@ _SIGNATURES = {
 }
 """How files begin that are Pillow's whatever they are called. Cursors begin as Targa does."""
 
-_PAGED = ("DCX", "PNG")
-"""Those of which it shows more than the first page; of PNG only the others."""
+_FURTHER = ("GIF", "PNG")
+"""Those of which it shows the pages after the first, whose pixels OpenImageIO does not put together."""
+_PAGED = ("DCX", "WEBP", *_FURTHER)
+"""Those of which it shows more than the first page."""
 
 _COUNTS = {"L": 1, "LA": 2, "RGB": 3, "RGBA": 4}
 
@@ -47,7 +68,6 @@ class PillowReader(DecodedPicture):
     """An open picture in a format that Pillow knows."""
 
     kind = "pillow"
-    in_library = 2
 
     def __init__(self, path: Path, page: int | None = None) -> None:
         """page: from 1, the first if None. Raises PictureError for what Pillow does not read either, UsageError for a
@@ -59,8 +79,9 @@ class PillowReader(DecodedPicture):
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore", Image.DecompressionBombWarning)
-                self._image = Image.open(path, formats=_FORMATS + ("PNG",) * ((page or 1) > 1))
+                self._image = Image.open(path, formats=_FORMATS + _FURTHER * ((page or 1) > 1))
             self.pages = getattr(self._image, "n_frames", 1) if self._image.format in _PAGED else 1
+            self.in_library = 4 if self.pages > 1 else 2
             check_page(page, self.pages)
             if page is not None:
                 self._image.seek(page - 1)
@@ -77,6 +98,8 @@ class PillowReader(DecodedPicture):
     def _mode_of_pixels(self) -> str:
         """A palette becomes what it shows, and inks become RGB by the formula that OpenImageIO has for them."""
         mode = self._image.mode
+        if self._image.format == "GIF":
+            return "RGBA"  # as OpenImageIO has its first page
         if mode == "CMYK":
             return "RGB"
         if mode == "P":
@@ -88,6 +111,13 @@ class PillowReader(DecodedPicture):
 
     def _shape(self) -> tuple[int, int, int, str]:
         return self._image.width, self._image.height, _COUNTS[self._mode], "uint8"
+
+    def spec(self) -> ImageSpec:
+        """The header, with the ICC profile."""
+        spec, icc = super().spec(), self._image.info.get("icc_profile")
+        if icc:
+            spec.attribute("ICCProfile", f"uint8[{len(icc)}]", np.frombuffer(icc, np.uint8))
+        return spec
 
     def _decoded(self) -> npt.NDArray[Any]:
         with warnings.catch_warnings():

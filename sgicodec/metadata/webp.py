@@ -8,14 +8,19 @@ from collections.abc import Iterator
 from sgicodec.metadata.blobs import Metadata
 from sgicodec.metadata.filebytes import Bytes
 
-__all__ = ["find", "insert", "is_webp"]
+__all__ = ["find", "insert", "is_animated", "is_webp"]
 
-_HAS_ALPHA, _HAS_EXIF, _HAS_XMP = 0x10, 0x08, 0x04
+_HAS_ALPHA, _HAS_EXIF, _HAS_XMP, _IS_ANIMATED = 0x10, 0x08, 0x04, 0x02
 
 
 def is_webp(data: Bytes) -> bool:
     """Whether the file begins like a WebP file."""
     return data[:4] == b"RIFF" and data[8:12] == b"WEBP"
+
+
+def is_animated(head: bytes) -> bool:
+    """Whether a file that begins so, with 21 bytes or more, is a WebP of frames."""
+    return is_webp(head) and head[12:16] == b"VP8X" and bool(head[20] & _IS_ANIMATED)
 
 
 def find(data: Bytes) -> tuple[bytes | None, bytes | None]:

@@ -76,6 +76,23 @@ def test_frames_of_an_animation(name: str) -> None:
             np.testing.assert_array_equal(picture.pixels, expected)
 
 
+@pytest.mark.parametrize("options", [{"format": "GIF"}, {"format": "WEBP", "lossless": True}])
+def test_frames_that_hold_changes_alone(options: dict[str, Any]) -> None:
+    """The first of WebP shows a part of the canvas, the others what moved."""
+    ground = (90, 90, 90, 255) if options["format"] == "GIF" else (0, 0, 0, 0)
+    frames = [Image.new("RGBA", (32, 24), ground) for _ in range(3)]
+    for number, frame in enumerate(frames):
+        frame.paste((255, 0, 20, 255), (4 + 3 * number, 5, 14 + 3 * number, 15))
+    file = io.BytesIO()
+    frames[0].save(file, save_all=True, append_images=frames[1:], icc_profile=bytes(16) + b"RGB ", **options)
+    for number, frame in enumerate(frames, 1):
+        picture = read(file.getvalue(), page=number)
+        expected = np.asarray(frame)
+        np.testing.assert_array_equal(picture.pixels[..., 3], expected[..., 3])
+        np.testing.assert_array_equal(picture.pixels[expected[..., 3] > 0], expected[expected[..., 3] > 0])
+        assert (picture.metadata.icc is not None) == (options["format"] == "WEBP")
+
+
 def test_parts_of_exr(tmp_path: Path) -> None:
     specs = tuple(oiio.ImageSpec(8, 4, 1, "float") for _ in range(2))
     image = oiio.ImageOutput.create("x.exr")
