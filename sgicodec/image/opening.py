@@ -15,13 +15,14 @@ from sgicodec.image.channels import Channels
 from sgicodec.image.decoded_picture import DecodedPicture, Reader
 from sgicodec.image.inks import Inks, extra_samples
 from sgicodec.image.jpeg2000_reader import Jpeg2000Reader
+from sgicodec.image.jpegxl_reader import JpegXlReader
 from sgicodec.image.library import first_line
 from sgicodec.image.pages import PageChoice
 from sgicodec.image.pillow_reader import PillowReader, is_for_pillow
 from sgicodec.image.planes import Planes
 from sgicodec.image.silence import without_libpng
 from sgicodec.image.tiff_reader import TiffReader, left_to_gdal
-from sgicodec.metadata import jp2, png, webp
+from sgicodec.metadata import jp2, jxl, png, webp
 from sgicodec.metadata.filebytes import FileBytes
 
 if TYPE_CHECKING:
@@ -112,6 +113,8 @@ def by_others(path: Path, data: FileBytes, image: Any, chosen: PageChoice, decla
         return image
     if declared.deep and (found := jp2.components(data)) is not None:
         return Jpeg2000Reader(path, found, oiio.ImageSpec(image.spec()))
+    if (bits := _bits_of_animation(data)) is not None:
+        return JpegXlReader(path, oiio.ImageSpec(image.spec()), bits)
     if chosen.directory is None:
         return image
     image.seek_subimage(chosen.subimage, 0)
@@ -123,6 +126,14 @@ def by_others(path: Path, data: FileBytes, image: Any, chosen: PageChoice, decla
         image = TiffReader(path, chosen.subimage, spec, reason)
     extra = extra_samples(data, spec)
     return image if extra is None else Inks(image, spec, extra)
+
+
+def _bits_of_animation(data: FileBytes) -> int | None:
+    """As of JPEG XL; damage is OpenImageIO's to find."""
+    try:
+        return jxl.bits_of_animation(data)
+    except struct.error:
+        return None
 
 
 def unread_floats(spec: ImageSpec) -> str | None:

@@ -50,6 +50,7 @@ HOMES = {
     "rawpy": ("sgicodec/image/raw_reader.py",),
     "openslide": ("sgicodec/image/slide_reader.py",),
     "imagecodecs": (
+        "sgicodec/image/jpegxl_reader.py",
         "sgicodec/image/avif_reader.py",
         "sgicodec/image/jpeg2000_reader.py",
         "sgicodec/metadata/jxl.py",

@@ -13,6 +13,7 @@ from image_files import save
 from tags import exif_blob
 
 from sgicodec import open_source
+from sgicodec.errors import UsageError
 from sgicodec.metadata import exif
 from sgicodec.metadata.jxl import find
 
@@ -35,6 +36,20 @@ def boxed(path: Path, *more: bytes) -> Path:
     assert data[4:12] == SIGNATURE
     path.write_bytes(b"".join((data[:32], *more, data[32:])))
     return path
+
+
+@pytest.mark.parametrize(("sample", "bits"), [("uint8", 8), ("uint16", 10), ("uint16", 16), ("float32", None)])
+@pytest.mark.parametrize("boxed", [True, None])
+def test_the_first_frame_of_an_animation(sample: str, bits: int | None, boxed: bool | None) -> None:
+    frames = np.random.default_rng(4).integers(0, 255, (3, 30, 40, 3)).astype(sample)
+    data = imagecodecs.jpegxl_encode(frames, lossless=True, bitspersample=bits, usecontainer=boxed, photometric="rgb")
+    with open_source(data) as source:
+        expected = frames[0].astype(np.uint32) * 65535 // ((1 << bits) - 1) if bits == 10 else frames[0]
+        np.testing.assert_array_equal(source.read(0, 0, 40, 30).pixels, expected)
+        assert source.pages == 1
+        assert "not kept: frames after the first" in source.notes
+    with pytest.raises(UsageError, match="no page 2"):
+        open_source(data, page=2)
 
 
 def test_metadata_comes_and_the_picture_is_upright_already(tmp_path: Path) -> None:
