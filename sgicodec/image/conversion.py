@@ -22,7 +22,7 @@ from sgicodec.metadata.layouts import LAYOUTS, alpha_index
 from sgicodec.metadata.motion import Motion
 from sgicodec.picture import Metadata, Picture, full_range
 
-__all__ = ["array_picture", "as_picture"]
+__all__ = ["array_picture", "as_picture", "pillow_picture"]
 
 _LAYOUT_OF_COUNT = {count: name for name, count in LAYOUTS.items()}
 
@@ -50,7 +50,7 @@ def as_picture(
             return array_picture(image, channels, sample_range, nodata)
         if channels is not None or nodata is not None:
             raise UsageError("channels and nodata are said of arrays; an image of Pillow has a mode")
-        return _pillow_picture(image, sample_range)
+        return pillow_picture(image, sample_range)
     if channels is not None or nodata is not None:
         raise UsageError("channels and nodata are said of arrays; a file has its own")
     if isinstance(image, os.PathLike):
@@ -136,10 +136,21 @@ def _unmasked(array: np.ma.MaskedArray[Any, Any], nodata: float | None) -> tuple
     return samples, nodata
 
 
-def _pillow_picture(image: Any, sample_range: RangeChoice | None) -> Picture:
-    """The upright picture of an image of Pillow, with its ICC profile, EXIF and XMP."""
+def pillow_picture(
+    image: Any,
+    sample_range: RangeChoice | None = None,
+    *,
+    turn: int | None = None,
+    dpi: tuple[float, float] | None = None,
+) -> Picture:
+    """The upright picture of an image of Pillow, with its ICC profile, EXIF and XMP. turn, dpi: instead of its own
+    orientation and resolution.
+    """
     from PIL import ImageOps
 
+    lost = _left_behind(image)
+    if turn is not None or dpi is not None:
+        image = _restated(image, turn, dpi)
     turn, size = image.getexif().get(_ORIENTATION), image.size
     turn = turn if turn in range(1, 9) else 1
     image = ImageOps.exif_transpose(image)
@@ -155,10 +166,35 @@ def _pillow_picture(image: Any, sample_range: RangeChoice | None) -> Picture:
         embedded.moved(blobs, Motion(size[0], size[1], turn)), geo=placement.oriented(stated, turn, *size)
     )
     rounding = narrowed(np.array(image))[1] if image.mode == "I" else 0.0
-    return replace(_picture(pixels, layout, sample_range, metadata), rounding=rounding)
+    picture = _picture(pixels, layout, sample_range, metadata)
+    remarks = "; ".join(text for text in (lost, picture.remark) if text)
+    return replace(picture, rounding=rounding, remark=remarks or None)
 
 
-_ORIENTATION = 274
+def _left_behind(image: Any) -> str | None:
+    """What an image of Pillow holds that its picture does not, in one line."""
+    frames = getattr(image, "n_frames", 1) - 1
+    found = [f"{frames} other frames"] if frames > 1 else ["another frame"] if frames else []
+    if image.mode in _OTHER:
+        found.insert(0, f"{_OTHER[image.mode]} (RGB instead)")
+    return f"not kept: {', '.join(found)}" if found else None
+
+
+def _restated(image: Any, turn: int | None, dpi: tuple[float, float] | None) -> Any:
+    """A copy that states this orientation and resolution, as far as they are given."""
+    image = image.copy()
+    exif = image.getexif()
+    if turn is not None:
+        exif[_ORIENTATION] = turn
+    if dpi is not None:
+        image.info["dpi"] = dpi
+        for tag in _RESOLUTION:
+            exif.pop(tag, None)
+    return image
+
+
+_OTHER = {"CMYK": "inks", "LAB": "Lab", "HSV": "HSV", "YCbCr": "YCbCr"}
+_ORIENTATION, _RESOLUTION = 274, (282, 283, 296)
 _EMPTY_EXIF = 14
 """Bytes of a TIFF structure without a tag."""
 

@@ -9,14 +9,16 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import IO, Any
 
-from sgicodec.errors import SgiError, require
+from sgicodec.errors import SgiError, UsageError, require
 
 require("PIL", "the plugin for Pillow")
 
-from PIL import Image, ImageFile  # noqa: E402
+from PIL import ExifTags, Image, ImageFile  # noqa: E402
 
 from sgicodec.bitstream.container import SIGNATURE  # noqa: E402
 from sgicodec.decoder.stream import Stream, open_stream  # noqa: E402
+from sgicodec.metadata import embedded, exif  # noqa: E402
+from sgicodec.metadata.blobs import Metadata  # noqa: E402
 from sgicodec.metadata.density import density  # noqa: E402
 
 __all__ = ["FORMAT", "SgiImageFile", "register"]
@@ -48,10 +50,10 @@ class SgiImageFile(ImageFile.ImageFile):
         self._dtype = str(stream.dtype) if header.channels == "gray" else "uint8"
         self._mode = _DEEP_MODES.get(self._dtype, _MODES[header.channels])
         metadata = stream.metadata
-        exif = metadata.exif and b"Exif\0\0" + metadata.exif
+        blob = metadata.exif and exif.PREFIX + metadata.exif
         stated = density(metadata.geo, metadata.exif)
         dpi = None if stated is None else stated.dpi
-        found = {"icc_profile": metadata.icc, "exif": exif, "xmp": metadata.xmp, "dpi": dpi}
+        found = {"icc_profile": metadata.icc, "exif": blob, "xmp": metadata.xmp, "dpi": dpi}
         self.info.update({name: blob for name, blob in found.items() if blob is not None})
         self._stream = stream
 
@@ -81,23 +83,34 @@ class SgiImageFile(ImageFile.ImageFile):
 
 
 def _save(image: Image.Image, file: IO[bytes], filename: str | bytes) -> None:
-    """Options are the settings of `sgicodec.encode`, and icc_profile, exif, xmp: by default the image's, b"" for none.
+    """Options are the settings of `sgicodec.encode`, and icc_profile, exif, xmp, dpi: by default the image's, b"" for
+    none.
 
-    The image is turned upright by its EXIF. Raises SgiError.
+    The image is turned upright by the EXIF that is given, else by its own. Raises SgiError.
     """
     from sgicodec.encoder.one_call import encode
-    from sgicodec.image.conversion import as_picture
+    from sgicodec.image.conversion import pillow_picture
 
     options = dict(image.encoderinfo)
-    picture = as_picture(image)
-    given = {name: options.pop(name) for name in ("icc_profile", "exif", "xmp") if name in options}
-    if "exif" in given:
-        exif = given["exif"]
-        blob = exif if isinstance(exif, bytes) or exif is None else exif.tobytes()
-        given["exif"] = (blob or b"").removeprefix(b"Exif\0\0")
-    blobs = {name.removesuffix("_profile"): blob or None for name, blob in given.items()}
-    picture = replace(picture, metadata=replace(picture.metadata, **blobs))
-    file.write(encode(picture, **options))
+    dpi = options.pop("dpi", None)
+    given = {name: _blob(options.pop(name)) for name in ("icc_profile", "exif", "xmp") if name in options}
+    own, stated = image.getexif().get(ExifTags.Base.Orientation), exif.orientation(given.get("exif"))
+    picture = pillow_picture(image, turn=None if stated == own else stated, dpi=dpi)
+    turn = stated or (own if own in range(1, 9) else 1)
+    found = Metadata(given.get("icc_profile"), given.get("exif"), given.get("xmp"))
+    found = embedded.upright(found, turn, *image.size)
+    blobs = {name: getattr(found, name) for name in ("icc", "exif", "xmp") if given.keys() & {name, f"{name}_profile"}}
+    file.write(encode(replace(picture, metadata=replace(picture.metadata, **blobs)), **options))
+
+
+def _blob(given: Any) -> bytes | None:
+    """Metadata as Pillow takes it: bytes, a text, an `Image.Exif`, or None."""
+    blob = given.tobytes() if isinstance(given, Image.Exif) else given
+    return (blob.encode() if isinstance(blob, str) else blob or b"").removeprefix(exif.PREFIX) or None
+
+
+def _save_all(image: Image.Image, file: IO[bytes], filename: str | bytes) -> None:
+    raise UsageError("a stream holds one picture; save each frame as a stream of its own, without save_all")
 
 
 def register(extension: bool = False) -> None:
@@ -106,6 +119,7 @@ def register(extension: bool = False) -> None:
     """
     Image.register_open(FORMAT, SgiImageFile, lambda prefix: prefix.startswith(SIGNATURE))
     Image.register_save(FORMAT, _save)
+    Image.register_save_all(FORMAT, _save_all)
     Image.register_mime(FORMAT, "image/x-sgicodec")
     if extension:
         Image.init()  # or Pillow's own plugin would take it back

@@ -12,6 +12,8 @@ from data_files import GOLDEN, PICTURES
 from PIL import Image, ImageCms
 
 import sgicodec
+from sgicodec.errors import UsageError
+from sgicodec.metadata.orientation import upright
 from sgicodec.picture import Metadata
 from sgicodec.plugins.pillow import FORMAT, register
 
@@ -80,6 +82,39 @@ def test_saving_and_opening_keeps_metadata() -> None:
     other[271] = "Other"
     image.save(bare := io.BytesIO(), format=FORMAT, steps=4, exif=other)
     assert Image.open(bare).getexif()[271] == "Other"
+
+
+@pytest.mark.parametrize("own", [None, 3, 6])
+@pytest.mark.parametrize("stated", [None, 1, 6])
+def test_a_given_exif_turns_the_image(own: int | None, stated: int | None) -> None:
+    """As a JPEG saved with it would be shown; one that says nothing leaves the word to the image's own."""
+    pixels = np.random.default_rng(3).integers(0, 256, (24, 32, 3), np.uint8)
+    image, other = Image.fromarray(pixels), Image.Exif()
+    if own is not None:
+        image.getexif()[274] = own
+        image.info["exif"] = image.getexif().tobytes()
+    other[271] = "Other"
+    if stated is not None:
+        other[274] = stated
+    for given in (other, other.tobytes()):
+        image.save(buffer := io.BytesIO(), FORMAT, max_error=0, effort=1, exif=given, dpi=(300, 150))
+        again = Image.open(buffer)
+        np.testing.assert_array_equal(np.asarray(again), upright(pixels, stated or own or 1))
+        assert again.getexif().get(274, 1) == 1
+        assert again.getexif()[271] == "Other"
+        assert again.info["dpi"] == ((150, 300) if (stated or own) == 6 else (300, 150))
+
+
+def test_what_is_not_kept_is_said() -> None:
+    image = Image.fromarray(np.zeros((24, 32, 4), np.uint8), "CMYK")
+    with pytest.warns(UserWarning, match=r"not kept: inks \(RGB instead\)"):
+        image.save(io.BytesIO(), FORMAT, steps=4)
+    frames = [Image.new("L", (32, 24), shade) for shade in (9, 90)]
+    frames[0].save(buffer := io.BytesIO(), "GIF", save_all=True, append_images=frames[1:])
+    with pytest.warns(UserWarning, match="not kept: another frame"):
+        Image.open(buffer).save(io.BytesIO(), FORMAT, steps=4)
+    with pytest.raises(UsageError, match="one picture"):
+        frames[0].save(io.BytesIO(), FORMAT, save_all=True)
 
 
 def test_silicon_graphics_goes_on(tmp_path: Path) -> None:
