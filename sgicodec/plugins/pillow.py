@@ -96,7 +96,7 @@ def _save(image: Image.Image, file: IO[bytes], filename: str | bytes) -> None:
     given = {name: _blob(options.pop(name)) for name in ("icc_profile", "exif", "xmp") if name in options}
     own, stated = image.getexif().get(ExifTags.Base.Orientation), exif.orientation(given.get("exif"))
     picture = pillow_picture(image, turn=None if stated == own else stated, dpi=dpi)
-    turn = stated or (own if own in range(1, 9) else 1)
+    turn = stated or (own if own is not None and own in range(1, 9) else 1)
     found = Metadata(given.get("icc_profile"), given.get("exif"), given.get("xmp"))
     found = embedded.upright(found, turn, *image.size)
     blobs = {name: getattr(found, name) for name in ("icc", "exif", "xmp") if given.keys() & {name, f"{name}_profile"}}
