@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 __all__ = ["not_kept"]
 
-_KEPT_ELSEWHERE = {"jpeg", "jpegxl", "png", "tiff", "webp"}
+_KEPT_ELSEWHERE = {"jpeg", "jpegxl", "png", "psd", "tiff", "webp"}
 """Formats whose bytes tell (`metadata.left_behind`)."""
 _IDLE = {
     "compression",

@@ -12,7 +12,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from sgicodec.errors import PictureError
-from sgicodec.metadata import bmp, exif, jp2, jpeg, jxl, png, tiff, webp, xmp
+from sgicodec.metadata import bmp, exif, jp2, jpeg, jxl, photoshop, png, tiff, webp, xmp
 from sgicodec.metadata.blobs import Metadata
 from sgicodec.metadata.filebytes import Bytes, FileBytes
 from sgicodec.metadata.motion import Motion
@@ -39,6 +39,8 @@ def extract(data: Bytes) -> Metadata:
         blob, xmp, geo = *jxl.find(data), None
     elif jp2.is_boxed(data):
         blob, xmp, geo = jp2.find(data)
+    elif photoshop.is_psd(data):
+        blob, xmp, geo = photoshop.find(data)
     else:
         blob, xmp, geo = tiff.find(data)
     return Metadata(exif=blob and exif.plain(blob), xmp=xmp or None, geo=geo)

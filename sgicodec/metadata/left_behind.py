@@ -5,12 +5,12 @@ from __future__ import annotations
 import struct
 
 from sgicodec.errors import PictureError
-from sgicodec.metadata import avif, ifd, jpeg, jxl, pages, png
+from sgicodec.metadata import avif, ifd, jpeg, jxl, pages, photoshop, png
 from sgicodec.metadata.filebytes import Bytes
 
 __all__ = ["are_foreign", "left_behind"]
 
-_IPTC, _INKS, _TEXTS, _COLOURS = "IPTC", "inks (RGB instead)", "texts", "colour space"
+_INKS, _TEXTS, _COLOURS = "inks (RGB instead)", "texts", "colour space"
 _PACKED = "EXIF or XMP that Brotli compressed (the extra avif reads it)"
 _SRGB, _UNKNOWN = (1, 13), 2
 """Colour primaries and transfer function by their numbers (ITU-T H.273), and the number of either that says nothing."""
@@ -23,7 +23,7 @@ _IDLE_TEXTS = (b"Software", b"date:", b"Creation Time", b"Raw profile type icc")
 """Beginnings of keywords that say nothing of the picture itself."""
 _IDLE_COMMENTS = (b"File written by", b"Created with", b"CREATOR:", b"LEAD Technologies", b"Lavc", b"Compressed by")
 """Beginnings of comments that name a program alone."""
-_PHOTOSHOP, _OF_IPTC, _MORE_PICTURES = b"Photoshop 3.0\0", b"8BIM\x04\x04", b"MPF\0"
+_PHOTOSHOP, _MORE_PICTURES = b"Photoshop 3.0\0", b"MPF\0"
 _APP1, _APP2, _APP13, _COMMENT = 0xE1, 0xE2, 0xED, 0xFE
 _MOTION = (b'MotionPhoto="1"', b'MicroVideo="1"')
 _FRAMES = {*range(0xC0, 0xD0)} - {0xC4, 0xC8, 0xCC}
@@ -47,6 +47,8 @@ def left_behind(data: Bytes) -> list[str]:
             found = [f"{_COLOURS} (nclx)"] if colours and are_foreign(colours) else []
         elif jxl.is_boxed(data):
             found = [_PACKED] if jxl.has_unread(data) else []
+        elif photoshop.is_psd(data):
+            found = photoshop.left_behind(data)
         else:
             found = _of_tiff(data)
     except (struct.error, PictureError):
@@ -63,7 +65,7 @@ def _of_png(data: Bytes) -> list[str]:
         elif kind in (b"tEXt", b"zTXt", b"iTXt"):
             keyword = bytes(data[start : min(end, start + 79)])
             if not keyword.startswith(_KEPT_TEXTS + _IDLE_TEXTS):
-                texts.append(_IPTC if keyword.startswith(b"Raw profile type iptc") else _TEXTS)
+                texts.append(photoshop.IPTC if keyword.startswith(b"Raw profile type iptc") else _TEXTS)
     if b"cICP" in stated:
         return [f"{_COLOURS} (cICP)", *texts] if are_foreign(tuple(stated[b"cICP"][:2])) else texts
     if stated.keys() & {b"iCCP", b"sRGB"}:
@@ -86,11 +88,11 @@ def _is_far(contents: bytes | None, usual: tuple[int, ...]) -> bool:
 
 
 def _of_jpeg(data: Bytes) -> list[str]:
-    found = []
+    found, resources = [], b""
     for start, end in jpeg.segments(data):
         marker, payload = data[start + 1], bytes(data[start + 4 : end])
-        if marker == _APP13 and payload.startswith(_PHOTOSHOP) and _OF_IPTC in payload:
-            found.append(_IPTC)
+        if marker == _APP13 and payload.startswith(_PHOTOSHOP):
+            resources += payload.removeprefix(_PHOTOSHOP)
         elif marker == _APP1 and any(word in payload for word in _MOTION):
             found.append("a video (motion photo)")
         elif marker == _APP2 and payload.startswith(_MORE_PICTURES):
@@ -99,20 +101,21 @@ def _of_jpeg(data: Bytes) -> list[str]:
             found.append("a comment")
         elif marker in _FRAMES and payload[5:6] == b"\4":
             found.append(_INKS)
-    return found
+    return found + photoshop.names(resources)
 
 
 def _of_tiff(data: Bytes) -> list[str]:
     entries = ifd.entries(data, _ASKED)
-    stated, photoshop = entries.get(_PHOTOMETRIC), entries.get(_TIFF_PHOTOSHOP)
+    stated, resources = entries.get(_PHOTOMETRIC), entries.get(_TIFF_PHOTOSHOP)
     photometric = None if stated is None else stated.short
     found = [_INKS] if photometric == _SEPARATED else []
     if photometric == _PALETTE:
         found.append(_palette(entries.get(_COLOUR_TABLE)))
     elif _COLOUR_TABLE in entries:
         found.append("its colour table")
-    if _TIFF_IPTC in entries or (photoshop is not None and _OF_IPTC in photoshop.data):
-        found.append(_IPTC)
+    if _TIFF_IPTC in entries:
+        found.append(photoshop.IPTC)
+    found += photoshop.names(resources.data) if resources is not None else []
     found += [name for tag, name in _NAMED.items() if tag in entries]
     bits = entries[_BITS].short if _BITS in entries else 1
     for tag, name, usual in ((_LOW, "MinSampleValue", 0), (_HIGH, "MaxSampleValue", (1 << min(bits, 16)) - 1)):
