@@ -17,7 +17,7 @@ from sgicodec.errors import UsageError
 from sgicodec.image.narrowed import narrowed
 from sgicodec.image.reader import pictured, read, use_of
 from sgicodec.image.used_range import RangeChoice
-from sgicodec.metadata import density, embedded, placement
+from sgicodec.metadata import density, embedded, icc, placement
 from sgicodec.metadata.layouts import LAYOUTS, alpha_index
 from sgicodec.metadata.motion import Motion
 from sgicodec.picture import Metadata, Picture, full_range
@@ -155,29 +155,28 @@ def pillow_picture(
     turn = turn if turn in range(1, 9) else 1
     image = ImageOps.exif_transpose(image)
     exif, xmp = image.getexif().tobytes().removeprefix(b"Exif\0\0"), image.info.get("xmp")
-    icc = image.info.get("icc_profile")
     pixels = _plain_mode(image)
     layout = _LAYOUT_OF_COUNT[pixels.shape[2]]
-    space = b"GRAY" if layout.startswith("gray") else b"RGB "
-    icc = icc if icc and icc[16:20] == space else None  # not of other colours
-    blobs = Metadata(icc=icc, exif=exif if len(exif) > _EMPTY_EXIF else None, xmp=_bytes(xmp))
+    profile, misfit = icc.fitting(image.info.get("icc_profile") or None, layout)
+    lost += [misfit] if misfit else []
+    blobs = Metadata(icc=profile, exif=exif if len(exif) > _EMPTY_EXIF else None, xmp=_bytes(xmp))
     stated = density.tags(density.per_inch(image.info.get("dpi")), blobs.exif)
     metadata = replace(
         embedded.moved(blobs, Motion(size[0], size[1], turn)), geo=placement.oriented(stated, turn, *size)
     )
     rounding = narrowed(np.array(image))[1] if image.mode == "I" else 0.0
     picture = _picture(pixels, layout, sample_range, metadata)
-    remarks = "; ".join(text for text in (lost, picture.remark) if text)
+    remarks = "; ".join(text for text in (f"not kept: {', '.join(lost)}" if lost else None, picture.remark) if text)
     return replace(picture, rounding=rounding, remark=remarks or None)
 
 
-def _left_behind(image: Any) -> str | None:
-    """What an image of Pillow holds that its picture does not, in one line."""
+def _left_behind(image: Any) -> list[str]:
+    """What an image of Pillow holds that its picture does not."""
     frames = getattr(image, "n_frames", 1) - 1
     found = [f"{frames} other frames"] if frames > 1 else ["another frame"] if frames else []
     if image.mode in _OTHER:
         found.insert(0, f"{_OTHER[image.mode]} (RGB instead)")
-    return f"not kept: {', '.join(found)}" if found else None
+    return found
 
 
 def _restated(image: Any, turn: int | None, dpi: tuple[float, float] | None) -> Any:

@@ -42,7 +42,7 @@ from sgicodec.image.silence import without_libpng
 from sgicodec.image.slide_reader import SlideReader, is_slide
 from sgicodec.image.sniffed import SniffedFormat, sniffed_format
 from sgicodec.image.zarr_reader import ZarrReader, is_zarr
-from sgicodec.metadata import embedded, geo, ifd, jp2, placement, png
+from sgicodec.metadata import embedded, geo, icc, ifd, jp2, placement, png
 from sgicodec.metadata.filebytes import FileBytes
 from sgicodec.metadata.gdal_items import stated_of_samples, with_colours
 from sgicodec.metadata.layouts import alpha_index
@@ -84,6 +84,8 @@ class Opened:
     page: PageChoice = ONLY
     rounding: float = 0.0
     """By how much a sample that was read is off at most from what the file holds."""
+    misfit: str | None = None
+    """What is said of an ICC profile that is not kept."""
 
     @property
     def orientation(self) -> int:
@@ -130,6 +132,7 @@ class Opened:
             found = left_behind(data) + [name for name in stated_of_samples(data) if name not in kept]
             if self.metadata.geo is None and jp2.states_place(FileBytes(file)):
                 found.append("its place (GML; the extra tiff reads it)")
+        found += [self.misfit] if self.misfit else []
         found += not_kept(self.spec, self.kind) if is_openimageio(self.image) else self.image.left_behind()
         return found + [f"what {name} says" for name in files_beside(self.path)]
 
@@ -209,7 +212,7 @@ def open_picture(path: Path, *, any_size: bool = False, alpha: Alpha = "auto", p
         if chosen.directory is not None and chosen.directory.number:
             data = PageBytes(file, chosen.directory)
             _refuse(ifd.damage(data))
-        found = embedded.extract(data)
+        found = replace(embedded.extract(data), icc=icc.stated(data))
         if found.geo is None and jp2.states_place(data):
             found = replace(found, geo=place_by_gdal(path))
         declared = declared_channels(data, image.format_name())
@@ -227,10 +230,11 @@ def open_picture(path: Path, *, any_size: bool = False, alpha: Alpha = "auto", p
         found = embedded.turned_already(found, spec.width, spec.height)
     else:
         found = embedded.upright(found, orientation(spec, kind), spec.width, spec.height)
-    metadata = replace(found, icc=_icc(spec, probe.channels), geo=georeference)
+    profile, misfit = icc.fitting(_profile(spec) or found.icc, probe.channels)
+    metadata = replace(found, icc=profile, geo=georeference)
     has_alpha = declared.last == "alpha" and alpha_index(header(spec, kind).channels) is not None
     associated = has_alpha and alpha != "band" and is_associated(spec, kind)
-    return Opened(path, image, spec, kind, probe, metadata, declared, associated, chosen)
+    return Opened(path, image, spec, kind, probe, metadata, declared, associated, chosen, misfit=misfit)
 
 
 def _chosen(path: Path, data: FileBytes, image: ImageInput | DecodedPicture, page: int | None) -> PageChoice:
@@ -252,12 +256,13 @@ def _sniffed_picture(path: Path, found: SniffedFormat, metadata: Metadata, alpha
         raise PictureError(f"it is {found.what}; {error}, or {found.program}") from None
     spec, kind, own = image.spec(), image.kind, image.metadata()
     probe = header(spec, kind, _LAST.get(alpha, "alpha"))
-    icc = _fitting(own.icc, probe.channels)
-    own = Metadata(icc=icc, exif=own.exif or metadata.exif, xmp=own.xmp or metadata.xmp)
+    profile, misfit = icc.fitting(own.icc, probe.channels)
+    own = Metadata(icc=profile, exif=own.exif or metadata.exif, xmp=own.xmp or metadata.xmp)
     own = embedded.turned_already(own, probe.width, probe.height, image.turned)
     has_alpha = alpha != "band" and alpha_index(header(spec, kind).channels) is not None
     associated = has_alpha and image.associated
-    return Opened(path, image, spec, kind, probe, own, AsIs, associated, PageChoice(pages=image.pages))
+    pages = PageChoice(pages=image.pages)
+    return Opened(path, image, spec, kind, probe, own, AsIs, associated, pages, misfit=misfit)
 
 
 def _zarr_picture(path: Path, alpha: Alpha, page: int | None) -> Opened:
@@ -320,14 +325,6 @@ def _spec(image: Any, found: Metadata, subimage: int) -> ImageSpec:
     return spec
 
 
-def _icc(spec: ImageSpec, channels: str) -> bytes | None:
+def _profile(spec: ImageSpec) -> bytes | None:
     profile = spec.get("ICCProfile")
-    return _fitting(None if profile is None else np.asarray(profile, np.uint8).tobytes(), channels)
-
-
-def _fitting(icc: bytes | None, channels: str) -> bytes | None:
-    """The ICC profile if it is for this layout: one for CMYK is void once the pixels are RGB."""
-    if icc is None:
-        return None
-    space = b"GRAY" if channels.startswith("gray") else b"RGB "
-    return icc if channels == "multi" or icc[16:20] == space else None
+    return None if profile is None else np.asarray(profile, np.uint8).tobytes()

@@ -11,12 +11,13 @@ import numpy as np
 import OpenImageIO as oiio
 import pytest
 import tifffile
-from PIL import Image
+from PIL import Image, ImageCms
 
 from sgicodec import open_source, read
 from sgicodec.errors import PictureError, UsageError
 from sgicodec.metadata.pages import tiff_pages
 
+SRGB = ImageCms.ImageCmsProfile(ImageCms.createProfile("sRGB")).tobytes()
 STACK = np.random.default_rng(2).integers(0, 256, (3, 24, 32), np.uint8)
 COLOURS = np.random.default_rng(3).integers(0, 256, (3, 24, 32, 3), np.uint8)
 
@@ -84,7 +85,7 @@ def test_frames_that_hold_changes_alone(options: dict[str, Any]) -> None:
     for number, frame in enumerate(frames):
         frame.paste((255, 0, 20, 255), (4 + 3 * number, 5, 14 + 3 * number, 15))
     file = io.BytesIO()
-    frames[0].save(file, save_all=True, append_images=frames[1:], icc_profile=bytes(16) + b"RGB ", **options)
+    frames[0].save(file, save_all=True, append_images=frames[1:], icc_profile=SRGB, **options)
     for number, frame in enumerate(frames, 1):
         picture = read(file.getvalue(), page=number)
         expected = np.asarray(frame)
