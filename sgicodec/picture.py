@@ -56,7 +56,8 @@ class Picture:
                   are clipped.
     eight_bits:   whether colours are those of a picture of eight bits that was stretched to the range and rounded.
     remark:       what its owner should know of how its samples were understood.
-    rounding:     by how much pixels are off at most from samples of more bits, which they were made from.
+    rounding:     by how much pixels are off at most from samples of more bits, which they were made from; infinite
+                  where colours brighter than their associated alpha were clipped.
 
     Raises UsageError when the parts contradict each other.
     """

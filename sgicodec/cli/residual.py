@@ -43,7 +43,7 @@ def refine(picture: str, source: str, target: str, max_error: float, threads: in
     """
     from sgicodec.decoder.stream import open_stream
     from sgicodec.encoder.input.windows import windows_of, without_needless_alpha
-    from sgicodec.encoder.plan import stream_plan
+    from sgicodec.encoder.plan import check_clipped, stream_plan
     from sgicodec.encoder.progress import NullListener
     from sgicodec.encoder.residual import Layer, residual_layer
     from sgicodec.encoder.settings import EncodeSettings
@@ -59,6 +59,7 @@ def refine(picture: str, source: str, target: str, max_error: float, threads: in
         stream = stack.enter_context(open_stream(data, device))
         check_below(stream)
         windows = windows_of(opened)
+        check_clipped(windows.shape)
         if windows.shape.bands > stream.header.spec.channels:
             windows, _ = without_needless_alpha(windows, stream_plan(windows.shape, EncodeSettings()), NullListener())
         layer = residual_layer(stream, Layer(windows, max_error), device)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -30,7 +31,7 @@ from sgicodec.profiles.fit_settings import FitSettings
 from sgicodec.rate_control.target import TARGETS
 from sgicodec.version import __version__
 
-__all__ = ["Plan", "Shape", "stream_plan"]
+__all__ = ["Plan", "Shape", "check_clipped", "stream_plan"]
 
 
 @dataclass(frozen=True)
@@ -103,11 +104,22 @@ class Plan:
         return replace(self, header=replace(self.header, quality=quality), settings=settings)
 
 
+def check_clipped(shape: Shape) -> None:
+    """Raises PictureError for pixels that are not those of the file, whatever a residual layer adds."""
+    if math.isinf(shape.rounding):
+        raise PictureError(
+            "the picture has colours brighter than the alpha that they are multiplied by, which are clipped: not every "
+            "pixel can be kept; encode it without --lossless and --max-error"
+        )
+
+
 def stream_plan(shape: Shape, settings: EncodeSettings) -> Plan:
     """The header and settings of a picture's tiles. Raises as `encode`."""
     grid = settings.grid(shape.width, shape.height)
     profile = settings.chosen_profile
     _check_shape(shape)
+    if settings.max_error is not None:
+        check_clipped(shape)
     spec = _with_texture_that_fits(profile.spec(settings, shape.bands), grid)
     if settings.tuned_for == "visual" and shape.channels in COLOURED_LAYOUTS and spec.plain:
         spec = replace(spec, luma_space=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import zlib
 from collections import deque
 from collections.abc import Iterable
@@ -45,12 +46,18 @@ class Layer:
     is_alpha: bool = False
 
     def __post_init__(self) -> None:
-        off = self.windows.shape.rounding
+        off = self._rounding
         if off >= self.max_error and off > 0 and not self.is_alpha:
             raise PictureError(
                 f"its samples do not fit 32-bit floats, which are off by up to {off:g}: --lossless is not possible, "
                 f"--max-error is above that"
             )
+
+    @property
+    def _rounding(self) -> float:
+        """That of the source; clipped colours are refused where a layer is asked for (`check_clipped`)."""
+        rounding = self.windows.shape.rounding
+        return 0.0 if math.isinf(rounding) else rounding
 
     def form(self, header: Header, rects: Iterable[Rect]) -> bytes:
         """What it states of all blocks, by these."""
@@ -58,7 +65,7 @@ class Layer:
             return alpha_form(np.iinfo(header.sample_type).max)
         windows = (self._shown(rect) for rect in rects)
         states = {"exact_views": self.exact_views, "has_cells": self.cells is not None}
-        off = self.max_error if self.is_off else self.windows.shape.rounding
+        off = self.max_error if self.is_off else self._rounding
         return residual_form(header, windows, self.max_error, off=off, **states)
 
     def of(self, rect: Rect) -> Cells:

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["associate", "unassociate"]
+__all__ = ["associate", "is_clipped", "unassociate"]
 
 Samples = npt.NDArray[Any]
 
@@ -30,6 +30,12 @@ def unassociate(pixels: Samples) -> Samples:
     for row, divided in zip(pixels, result, strict=True):  # row by row, as 64 bits for all would take much memory
         _divide(row, divided)
     return result
+
+
+def is_clipped(pixels: Samples) -> bool:
+    """Whether `unassociate` clips a colour, which cannot be had again."""
+    alpha = pixels[..., -1:]
+    return pixels.dtype.kind != "f" and bool(((pixels[..., :-1] > alpha) & (alpha != 0)).any())
 
 
 def _divide(pixels: Samples, result: Samples) -> None:

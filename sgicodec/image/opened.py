@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from contextlib import nullcontext
 from dataclasses import dataclass, replace
@@ -12,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from sgicodec.errors import MissingExtraError, PictureError, UsageError
-from sgicodec.image.alpha import unassociate
+from sgicodec.image.alpha import is_clipped, unassociate
 from sgicodec.image.avif_reader import AvifReader
 from sgicodec.image.beside import files_beside
 from sgicodec.image.channels import AsIs, Channels, Last, declared_channels
@@ -83,7 +84,7 @@ class Opened:
     associated: bool
     page: PageChoice = ONLY
     rounding: float = 0.0
-    """By how much a sample that was read is off at most from what the file holds."""
+    """By how much a sample that was read is off at most from what the file holds; infinite where alpha clipped it."""
     misfit: str | None = None
     """What is said of an ICC profile that is not kept."""
 
@@ -170,6 +171,7 @@ class Opened:
         if white and pixels.dtype == np.uint8:
             pixels = ~pixels
         if self.associated:
+            self.rounding = math.inf if is_clipped(pixels) else self.rounding
             pixels = unassociate(pixels)
         if white:
             pixels = np.concatenate([~pixels[..., :1], pixels[..., 1:]], axis=-1)

@@ -168,7 +168,9 @@ class Source:
     @property
     def rounding(self) -> float:
         """As in `Picture`. All pixels are read, once, where there may be any."""
-        if not self._is_scanned and not np.can_cast(self._opened.native, self.dtype):
+        is_divided = self.is_associated and self.dtype != np.float32
+        may_be_off = is_divided or not np.can_cast(self._opened.native, self.dtype)
+        if not self._is_scanned and may_be_off:
             with naming(self._origin):
                 for window in self._scan():
                     self._pixels(window)

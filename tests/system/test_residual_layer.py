@@ -7,6 +7,7 @@ import math
 import struct
 import zlib
 from collections.abc import Callable, Iterator
+from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -209,6 +210,16 @@ def test_a_layer_for_another_picture_is_refused(wide: Picture, exact: bytes) -> 
     other = replace(wide, pixels=wide.pixels[:, :-1])
     with open_stream(exact) as stream, pytest.raises(PictureError, match="589×530 pixels"):
         residual_layer(stream, Layer(windows_of(other), 0), Device(1))
+
+
+@pytest.mark.parametrize("brightest", [100, 101])
+def test_colours_brighter_than_their_alpha_are_refused(brightest: int, tmp_path: Path) -> None:
+    pixels = np.full((9, 12, 4), 100, np.uint8)
+    pixels[3, 4, 0] = brightest
+    tifffile.imwrite(tmp_path / "a.tif", pixels, photometric="rgb", extrasamples=["assocalpha"])
+    encode(tmp_path / "a.tif", effort=1)
+    with pytest.raises(PictureError, match="brighter than the alpha") if brightest > 100 else nullcontext():
+        encode(tmp_path / "a.tif", max_error=0, effort=1)
 
 
 @pytest.mark.parametrize("dtype", ["float64", "int32", "uint32"])
