@@ -75,6 +75,10 @@ def header(spec: ImageSpec, kind: str, last: Last = "alpha") -> Probe:
         raise PictureError("it is a deep or volume image; only flat pictures can be read")
     if _photometric(spec) in _LAB_PHOTOMETRICS:
         raise PictureError("it is a CIELAB TIFF, which OpenImageIO does not convert; convert it to RGB first")
+    if {"RY", "BY"} <= set(spec.channelnames):
+        raise PictureError(
+            "its colours are luminance and differences (Y, RY, BY), which are not converted; save it as RGB"
+        )
     formats = {str(sample) for sample in spec.channelformats} or {str(spec.format)}
     if not (len(formats) == 1 or formats <= set(_FLOATS)):
         raise PictureError(f"its channels mix {' and '.join(sorted(formats))} samples; save them as one type")

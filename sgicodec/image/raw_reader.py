@@ -10,6 +10,7 @@ import numpy.typing as npt
 from sgicodec.errors import PictureError, require
 from sgicodec.image.decoded_picture import DecodedPicture
 from sgicodec.image.pages import check_page
+from sgicodec.image.silence import without_libraw
 
 __all__ = ["RawReader"]
 
@@ -35,9 +36,11 @@ class RawReader(DecodedPicture):
         import rawpy
 
         try:
-            self._raw = rawpy.imread(str(path))
+            with without_libraw(path):
+                self._raw = rawpy.imread(str(path))
         except rawpy.LibRawError as error:
             raise PictureError(self._damage(error)) from error
+        self._path = path
         self.turned = _TURNS.get(self._raw.sizes.flip)
 
     def _shape(self) -> tuple[int, int, int, str]:
@@ -46,7 +49,8 @@ class RawReader(DecodedPicture):
         return *((height, width) if sizes.flip & _SIDEWAYS else (width, height)), 3, "uint16"
 
     def _decoded(self) -> npt.NDArray[Any]:
-        return self._raw.postprocess(use_camera_wb=True, no_auto_bright=True, output_bps=16, gamma=_SRGB_CURVE)
+        with without_libraw(self._path):
+            return self._raw.postprocess(use_camera_wb=True, no_auto_bright=True, output_bps=16, gamma=_SRGB_CURVE)
 
     def close(self) -> None:
         """Close the file."""

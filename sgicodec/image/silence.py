@@ -1,4 +1,4 @@
-"""What libpng prints to stderr by itself, held back: its complaints come as errors, too."""
+"""What libpng and LibRaw print to stderr by themselves, held back: their complaints come as errors, too."""
 
 from __future__ import annotations
 
@@ -7,8 +7,9 @@ import os
 import tempfile
 import threading
 from collections.abc import Iterator
+from pathlib import Path
 
-__all__ = ["without_libpng"]
+__all__ = ["without_libpng", "without_libraw"]
 
 _STDERR = 2
 _LOCK = threading.RLock()
@@ -20,15 +21,24 @@ def without_libpng(is_png: bool = True) -> Iterator[None]:
 
     Python's own stderr is the same file. Where there is none, or where `is_png` is False, nothing changes.
     """
-    with contextlib.ExitStack() as stack:
-        if is_png:
-            stack.enter_context(_LOCK)
-            stack.enter_context(_held_back())
+    with _held_back(b"libpng error: ", b"libpng warning: ") if is_png else contextlib.nullcontext():
         yield
 
 
 @contextlib.contextmanager
-def _held_back() -> Iterator[None]:
+def without_libraw(path: Path) -> Iterator[None]:
+    """The same of LibRaw, which begins its lines with the name of the file."""
+    with _held_back(os.fsencode(path) + b": "):
+        yield
+
+
+@contextlib.contextmanager
+def _held_back(*beginnings: bytes) -> Iterator[None]:
+    with _LOCK:
+        yield from _held_back_lines(beginnings)
+
+
+def _held_back_lines(beginnings: tuple[bytes, ...]) -> Iterator[None]:
     try:
         stderr = os.dup(_STDERR)
     except OSError:  # closed
@@ -43,5 +53,5 @@ def _held_back() -> Iterator[None]:
             os.close(stderr)
             held.seek(0)
             for line in held.read().splitlines(keepends=True):
-                if not line.startswith((b"libpng error: ", b"libpng warning: ")):
+                if not line.startswith(beginnings):
                     os.write(_STDERR, line)

@@ -5,6 +5,7 @@ import struct
 from pathlib import Path
 
 import numpy as np
+import OpenImageIO as oiio
 import pytest
 import tifffile
 from image_files import save
@@ -99,6 +100,17 @@ def test_that_white_is_turned_over_is_said(tmp_path: Path, dtype: str, said: str
     tifffile.imwrite(tmp_path / "x.tif", np.zeros((4, 4), dtype), photometric="miniswhite", metadata=None)
     with open_source(tmp_path / "x.tif") as source:
         assert source.notes == (f"samples v {said}",)
+
+
+def test_luminance_and_differences_are_refused(tmp_path: Path) -> None:
+    spec = oiio.ImageSpec(8, 4, 3, "float")
+    spec.channelnames = ("Y", "RY", "BY")
+    image = oiio.ImageOutput.create(str(tmp_path / "x.exr"))
+    assert image.open(str(tmp_path / "x.exr"), spec)
+    assert image.write_image(np.zeros((4, 8, 3), np.float32))
+    assert image.close()
+    with pytest.raises(PictureError, match="save it as RGB"):
+        read(tmp_path / "x.exr")
 
 
 def test_few_bits_fill_the_type() -> None:

@@ -90,7 +90,8 @@ def test_it_is_turned_once_and_keeps_what_its_tags_say() -> None:
     assert (kept[282], kept[283]) == (150, 300)
 
 
-def test_damage(tmp_path: Path) -> None:
+def test_damage(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "a.dng").write_bytes(dng(mosaic(0.3, 0.3, 0.3))[:-4000])
     with pytest.raises(PictureError, match=r"a\.dng: the file is damaged or cut off: Input/output error"):
         read(tmp_path / "a.dng")
+    assert capfd.readouterr().err == ""
