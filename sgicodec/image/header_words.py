@@ -28,6 +28,7 @@ _IDLE = {
 names.
 """
 _USUAL = {"PixelAspectRatio": (1.0,), "chromaticities": (0.64, 0.33, 0.3, 0.6, 0.15, 0.06, 0.3127, 0.329)}
+_NO_TRANSFER = ("Undefined", "User defined", "Unspecified video")
 _PLAIN_NAMES = {"r", "g", "b", "a", "y", "red", "green", "blue", "alpha", "i", "channel"}
 _MAX_NAMES = 6
 
@@ -42,6 +43,8 @@ def not_kept(spec: ImageSpec, kind: str) -> list[str]:
         found.append(f"{len(names) - _MAX_NAMES} more attributes")
     if any(name.lower().rstrip("0123456789") not in _PLAIN_NAMES for name in spec.channelnames):
         found.append("names of channels")
+    if (transfer := spec.get("dpx:Transfer", "Undefined")) not in _NO_TRANSFER:
+        found.append(f"colour space ({transfer})")
     whole = (spec.full_x, spec.full_y, spec.full_width, spec.full_height)
     if (spec.x, spec.y, spec.width, spec.height) != whole:
         place = f"at {spec.x - spec.full_x}, {spec.y - spec.full_y}"

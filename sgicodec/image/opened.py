@@ -43,7 +43,7 @@ from sgicodec.image.silence import without_libpng
 from sgicodec.image.slide_reader import SlideReader, is_slide
 from sgicodec.image.sniffed import SniffedFormat, sniffed_format
 from sgicodec.image.zarr_reader import ZarrReader, is_zarr
-from sgicodec.metadata import embedded, geo, icc, ifd, jp2, placement, png
+from sgicodec.metadata import embedded, geo, icc, ifd, jp2, placement, png, radiance
 from sgicodec.metadata.filebytes import FileBytes
 from sgicodec.metadata.gdal_items import stated_of_samples, with_colours
 from sgicodec.metadata.layouts import alpha_index
@@ -297,7 +297,8 @@ def _check(data: FileBytes) -> SniffedFormat | None:
     found = sniffed_format(data)
     if found is not None and not _reads(found.name):
         return found
-    _refuse(png.damage(data) if data[:8] == png.SIGNATURE else ifd.damage(data))
+    finder = png if data[:8] == png.SIGNATURE else radiance if radiance.is_radiance(data) else ifd
+    _refuse(finder.damage(data))
     return None
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import struct
 
 from sgicodec.errors import PictureError
-from sgicodec.metadata import avif, ifd, jpeg, jxl, pages, photoshop, png
+from sgicodec.metadata import avif, ifd, jpeg, jxl, pages, photoshop, png, radiance, stated_colours
 from sgicodec.metadata.filebytes import Bytes
 
 __all__ = ["are_foreign", "left_behind"]
@@ -49,6 +49,12 @@ def left_behind(data: Bytes) -> list[str]:
             found = [_PACKED] if jxl.has_unread(data) else []
         elif photoshop.is_psd(data):
             found = photoshop.left_behind(data)
+        elif radiance.is_radiance(data):
+            found = radiance.left_behind(data)
+        elif data[:2] == b"BM":
+            found = stated_colours.of_bmp(data)
+        elif data[:4] == b"qoif":
+            found = stated_colours.of_qoi(data)
         else:
             found = _of_tiff(data)
     except (struct.error, PictureError):
@@ -67,7 +73,8 @@ def _of_png(data: Bytes) -> list[str]:
             if not keyword.startswith(_KEPT_TEXTS + _IDLE_TEXTS):
                 texts.append(photoshop.IPTC if keyword.startswith(b"Raw profile type iptc") else _TEXTS)
     if b"cICP" in stated:
-        return [f"{_COLOURS} (cICP)", *texts] if are_foreign(tuple(stated[b"cICP"][:2])) else texts
+        is_foreign = are_foreign(tuple(stated[b"cICP"][:2])) or stated[b"cICP"][3:4] == b"\0"  # of few levels
+        return [f"{_COLOURS} (cICP)", *texts] if is_foreign else texts
     if stated.keys() & {b"iCCP", b"sRGB"}:
         return texts
     is_far = _is_far(stated.get(b"gAMA"), (_SRGB_GAMMA,)) or _is_far(stated.get(b"cHRM"), _SRGB_PLACES)
@@ -105,7 +112,7 @@ def _of_jpeg(data: Bytes) -> list[str]:
 
 
 def _of_tiff(data: Bytes) -> list[str]:
-    entries = ifd.entries(data, _ASKED)
+    entries = ifd.entries(data, _ASKED | stated_colours.TIFF_TAGS)
     stated, resources = entries.get(_PHOTOMETRIC), entries.get(_TIFF_PHOTOSHOP)
     photometric = None if stated is None else stated.short
     found = [_INKS] if photometric == _SEPARATED else []
@@ -116,7 +123,7 @@ def _of_tiff(data: Bytes) -> list[str]:
     if _TIFF_IPTC in entries:
         found.append(photoshop.IPTC)
     found += photoshop.names(resources.data) if resources is not None else []
-    found += [name for tag, name in _NAMED.items() if tag in entries]
+    found += stated_colours.of_tiff(entries) + [name for tag, name in _NAMED.items() if tag in entries]
     bits = entries[_BITS].short if _BITS in entries else 1
     for tag, name, usual in ((_LOW, "MinSampleValue", 0), (_HIGH, "MaxSampleValue", (1 << min(bits, 16)) - 1)):
         found += [name] * (tag in entries and entries[tag].short != usual)

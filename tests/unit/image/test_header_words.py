@@ -25,6 +25,8 @@ PIXELS = np.random.default_rng(0).random((6, 8, 3), np.float32)
         ("a.exr", {"at": (3, -2)}, ("not kept: its place at 3, -2 in a window of 8×6 pixels",)),
         ("a.exr", {"PixelAspectRatio": "square", "chromaticities": 1}, ("not kept: chromaticities",)),
         ("a.hdr", {}, ()),
+        ("a.dpx", {}, ()),
+        ("a.dpx", {"oiio__ColorSpace": "KodakLog"}, ("not kept: colour space (Logarithmic)",)),
         ("a.tga", {"ImageDescription": "x"}, ("not kept: ImageDescription",)),
         ("a.tif", {"Artist": "x"}, ()),
     ],

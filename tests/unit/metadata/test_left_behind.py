@@ -83,6 +83,7 @@ PQ = chunk(b"cICP", bytes([9, 16, 0, 1]))
         ),
         (png(PQ, chunk(b"sRGB", b"\0")), ["colour space (cICP)"]),
         (png(chunk(b"cICP", bytes([1, 13, 0, 1])), LINEAR), []),
+        (png(chunk(b"cICP", bytes([1, 13, 0, 0]))), ["colour space (cICP)"]),
         (texts(Software="x"), []),
         (texts(Author="A. Painter", Title="Two"), ["texts"]),
         (texts(Raw_profile_type_iptc="\niptc\n 2\n0000\n"), ["IPTC"]),
