@@ -21,6 +21,18 @@ _MP = ("MP", b"http://ns.microsoft.com/photo/1.2/")
 _IPTC = ("Iptc4xmpExt", b"http://iptc.org/std/Iptc4xmpExt/2008-02-29/")
 _DIMENSIONS = ("stDim", b"http://ns.adobe.com/xap/1.0/sType/Dimensions#")
 
+_GAIN_MAPS = (
+    ("hdrgm", b"http://ns.adobe.com/hdr-gain-map/1.0/"),
+    ("HDRGainMap", b"http://ns.apple.com/HDRGainMap/1.0/"),
+)
+_CONTAINER = ("Container", b"http://ns.google.com/photos/1.0/container/")
+_CAMERA = ("GCamera", b"http://ns.google.com/photos/1.0/camera/")
+_VIDEO = tuple(
+    f"{kind}{name}"
+    for kind in ("MotionPhoto", "MicroVideo")
+    for name in ("", "Version", "Offset", "PresentationTimestampUs")
+)
+
 _SIZES = ((_TIFF, "ImageWidth", "ImageLength"), (_EXIF, "PixelXDimension", "PixelYDimension"))
 _RATIOS = (
     (_TIFF, "XResolution", "YResolution"),
@@ -52,10 +64,18 @@ def orientation(packet: bytes | None) -> int | None:
 
 
 def upright(packet: bytes) -> bytes:
-    """The packet with its copy of the orientation, which some readers obey, set to 1."""
+    """The packet with its copy of the orientation, which some readers obey, set to 1, and without what makes readers
+    look for a gain map or a video behind the picture.
+    """
     found = _Packet(packet)
     if found.integer(_TIFF, "Orientation") in range(2, 9):
         found.set(_TIFF, "Orientation", 1)
+    for schema in _GAIN_MAPS:
+        if schema[1] in packet:
+            found.remove_all(schema)
+    found.set(_CONTAINER, "Directory", None)
+    for name in _VIDEO:
+        found.set(_CAMERA, name, None)
     return found.text
 
 

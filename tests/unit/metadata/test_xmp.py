@@ -36,6 +36,20 @@ def test_the_orientation() -> None:
     assert xmp.upright(element) == b"<tiff:Orientation>1</tiff:Orientation>"
 
 
+def test_what_points_behind_the_picture_is_taken_out() -> None:
+    before = (
+        b'<rdf:Description xmlns:C="http://ns.google.com/photos/1.0/container/" dc:source="me"'
+        b' xmlns:hdrgm="http://ns.adobe.com/hdr-gain-map/1.0/" hdrgm:Version="1.0"'
+        b' GCamera:MotionPhoto="1" GCamera:MicroVideoOffset="1234"><C:Directory><rdf:Seq><rdf:li>'
+        b'<C:Item Item:Semantic="GainMap"/></rdf:li></rdf:Seq></C:Directory><dc:title>x</dc:title></rdf:Description>'
+    )
+    after = xmp.upright(before)
+    assert after.endswith(b"><dc:title>x</dc:title></rdf:Description>")
+    assert b'dc:source="me"' in after
+    assert not any(word in after for word in (b"Version", b"Motion", b"Micro", b"Directory", b"Item"))
+    assert xmp.upright(after) == after
+
+
 @pytest.mark.parametrize(
     ("before", "motion", "after"),
     [
