@@ -8,7 +8,7 @@ from __future__ import annotations
 import re
 import struct
 
-__all__ = ["joined", "without_padding"]
+__all__ = ["is_lost", "joined", "without_padding"]
 
 _HAS_EXTENSION = re.compile(
     rb"""\s[\w.-]+:HasExtendedXMP\s*=\s*["']([0-9A-Fa-f]{32})["']|"""
@@ -40,6 +40,12 @@ def joined(main: bytes, pieces: list[bytes]) -> bytes:
     extra = b"".join(b" %b=%b" % pair for pair in outer.items() if pair[0] != b"xmlns:x")
     at = inner.end() - 1
     return main[:at] + extra + main[at : end.start()] + extension[start.end() : stop.start()] + main[end.start() :]
+
+
+def is_lost(main: bytes, pieces: list[bytes]) -> bool:
+    """Whether there is an extension, or the name of one, that `joined` does not add."""
+    note = _HAS_EXTENSION.search(main)
+    return bool(pieces) if note is None else _assembled(note[1] or note[3], pieces) is None
 
 
 def _rdf(packet: bytes) -> tuple[re.Match[bytes] | None, re.Match[bytes] | None]:

@@ -16,18 +16,21 @@ from sgicodec.metadata.blobs import Metadata
 from sgicodec.metadata.density import Density
 from sgicodec.metadata.filebytes import Bytes
 
-__all__ = ["SIGNATURE", "find", "insert", "segments"]
+__all__ = ["EXTENSION_PREFIX", "SIGNATURE", "XMP_PREFIX", "end", "find", "insert", "segments"]
 
 SIGNATURE = b"\xff\xd8\xff"
 _JFIF = b"JFIF\0"
-_XMP_PREFIX = b"http://ns.adobe.com/xap/1.0/\0"
-_EXTENSION_PREFIX = b"http://ns.adobe.com/xmp/extension/\0"
-_PREFIXES = (b"Exif\0", _XMP_PREFIX, _EXTENSION_PREFIX)
+XMP_PREFIX = b"http://ns.adobe.com/xap/1.0/\0"
+EXTENSION_PREFIX = b"http://ns.adobe.com/xmp/extension/\0"
+_PREFIXES = (b"Exif\0", XMP_PREFIX, EXTENSION_PREFIX)
 _SCAN, _END, _APP0, _APP1 = 0xDA, 0xD9, 0xE0, 0xE1
 _ALONE = (0x01, *range(0xD0, 0xD9))
 """Markers without a segment."""
 
 _MARKER = re.compile(rb"\xff[^\0\xff]")
+
+_SCAN_END = re.compile(rb"\xff[\xc0-\xcf\xd9-\xfe]")
+"""A marker that ends coded samples, as those of restarts do not."""
 
 _PAYLOAD_MAX = 65533
 _PIECE = 1 << 20
@@ -47,10 +50,10 @@ def find(data: Bytes) -> tuple[bytes | None, bytes | None, bytes | None]:
             payload = bytes(data[start + 4 : end])
         if marker == _APP0 and payload.startswith(_JFIF) and stated is None:
             stated = _density(payload)
-        elif payload.startswith(_XMP_PREFIX) and xmp is None:
-            xmp = payload.removeprefix(_XMP_PREFIX)
-        elif payload.startswith(_EXTENSION_PREFIX):
-            extensions.append(payload.removeprefix(_EXTENSION_PREFIX))
+        elif payload.startswith(XMP_PREFIX) and xmp is None:
+            xmp = payload.removeprefix(XMP_PREFIX)
+        elif payload.startswith(EXTENSION_PREFIX):
+            extensions.append(payload.removeprefix(EXTENSION_PREFIX))
         elif marker == _APP1 and payload.startswith(b"Exif\0"):
             part = payload[len(exif.PREFIX) :]
             if bool(parts) != part.startswith(_TIFF_HEADS):
@@ -72,9 +75,9 @@ def insert(data: Bytes, metadata: Metadata) -> Iterator[bytes]:
     dense = density.density(metadata.geo, metadata.exif)
     ours = [] if metadata.exif is None else [_segment(exif.PREFIX, metadata.exif, "EXIF")]
     if metadata.xmp is not None:
-        is_long = len(metadata.xmp) > _PAYLOAD_MAX - len(_XMP_PREFIX)
+        is_long = len(metadata.xmp) > _PAYLOAD_MAX - len(XMP_PREFIX)
         packet = extended_xmp.without_padding(metadata.xmp) if is_long else metadata.xmp
-        ours.append(_segment(_XMP_PREFIX, packet, "XMP"))
+        ours.append(_segment(XMP_PREFIX, packet, "XMP"))
     yield from (bytes(data[:2]), *(_with_density(segment, dense) for segment in jfif), *ours, *kept[len(jfif) :])
     yield from (bytes(data[start : start + _PIECE]) for start in rest)
 
@@ -92,6 +95,21 @@ def segments(data: Bytes) -> Iterator[tuple[int, int]]:
         if length:
             yield at, end
         at = _marker(data, end)
+
+
+def end(data: Bytes) -> int:
+    """Place behind the picture's end marker; the end of the file if it has none."""
+    at = max((stop for _, stop in segments(data)), default=2)
+    while at < len(data):
+        found = _SCAN_END.search(piece := bytes(data[at : at + _PIECE]))
+        if found is None:
+            at += max(1, len(piece) - 1)
+        elif found[0][1] == _END:
+            return at + found.end()
+        else:
+            start = at + found.end()
+            at = start + int.from_bytes(data[start : start + 2], "big")
+    return len(data)
 
 
 def _marker(data: Bytes, at: int) -> int:

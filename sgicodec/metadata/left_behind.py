@@ -5,7 +5,7 @@ from __future__ import annotations
 import struct
 
 from sgicodec.errors import PictureError
-from sgicodec.metadata import avif, ifd, jpeg, jxl, pages, photoshop, png, radiance, stated_colours
+from sgicodec.metadata import avif, extended_xmp, ifd, jpeg, jxl, pages, photoshop, png, radiance, stated_colours, webp
 from sgicodec.metadata.filebytes import Bytes
 
 __all__ = ["are_foreign", "left_behind"]
@@ -24,7 +24,20 @@ _IDLE_TEXTS = (b"Software", b"date:", b"Creation Time", b"Raw profile type icc")
 _IDLE_COMMENTS = (b"File written by", b"Created with", b"CREATOR:", b"LEAD Technologies", b"Lavc", b"Compressed by")
 """Beginnings of comments that name a program alone."""
 _PHOTOSHOP, _MORE_PICTURES = b"Photoshop 3.0\0", b"MPF\0"
-_APP1, _APP2, _APP13, _COMMENT = 0xE1, 0xE2, 0xED, 0xFE
+_APP1, _APP2, _APP11, _APP13, _COMMENT = 0xE1, 0xE2, 0xEB, 0xED, 0xFE
+_APPLICATIONS = range(0xE0, 0xF0)
+_IDLE_SEGMENTS = (b"JFIF", b"JFXX", b"AVI1", b"SPIFF", b"Exif\0", b"ICC_PROFILE\0", b"Ducky", b"Adobe")
+"""Beginnings of those that are kept, or say nothing of the picture itself."""
+_BEHIND = ("a video (motion photo)", "further pictures (MPF)")
+"""What stands behind the end of a JPEG, where that says so."""
+_MOST_PADDING = 1 << 16
+_CREDENTIALS, _JUMBF = "Content Credentials", b"JP"
+_PNG_CHUNKS = (
+    *(b"IHDR", b"PLTE", b"IDAT", b"tRNS", b"pHYs", b"eXIf", b"acTL", b"fcTL", b"fdAT"),
+    *(b"tIME", b"bKGD", b"hIST", b"sPLT", b"sBIT", b"iDOT", b"vpAg"),
+)
+_WEBP_CHUNKS = (b"VP8X", b"VP8 ", b"VP8L", b"ALPH", b"ANIM", b"ANMF", b"ICCP", b"EXIF", b"XMP ")
+"""Chunks that are read, or say nothing of the picture itself."""
 _MOTION = (b'MotionPhoto="1"', b'MicroVideo="1"')
 _FRAMES = {*range(0xC0, 0xD0)} - {0xC4, 0xC8, 0xCC}
 _PHOTOMETRIC, _COLOUR_TABLE, _TIFF_IPTC, _TIFF_PHOTOSHOP, _TIFF_LAYERS = 262, 320, 33723, 34377, 37724
@@ -42,6 +55,8 @@ def left_behind(data: Bytes) -> list[str]:
             found = _of_png(data)
         elif data[:3] == jpeg.SIGNATURE:
             found = _of_jpeg(data)
+        elif webp.is_webp(data):
+            found = [_of_chunk(kind) for kind, _, _ in webp.chunks(data) if kind not in _WEBP_CHUNKS]
         elif avif.is_avif(data):
             colours = avif.still(data).colours
             found = [f"{_COLOURS} (nclx)"] if colours and are_foreign(colours) else []
@@ -68,7 +83,12 @@ def _of_png(data: Bytes) -> list[str]:
     for kind, start, end in png.chunks(data):
         if kind in _OF_COLOURS:
             stated[kind] = bytes(data[start : min(end, start + 32)])
-        elif kind in (b"tEXt", b"zTXt", b"iTXt"):
+        elif kind == b"IEND":
+            texts += _behind(data, end + 4)
+            break
+        elif kind not in (b"tEXt", b"zTXt", b"iTXt", *_PNG_CHUNKS):
+            texts.append(_of_chunk(kind))
+        elif kind not in _PNG_CHUNKS:
             keyword = bytes(data[start : min(end, start + 79)])
             if not keyword.startswith(_KEPT_TEXTS + _IDLE_TEXTS):
                 texts.append(photoshop.IPTC if keyword.startswith(b"Raw profile type iptc") else _TEXTS)
@@ -79,6 +99,17 @@ def _of_png(data: Bytes) -> list[str]:
         return texts
     is_far = _is_far(stated.get(b"gAMA"), (_SRGB_GAMMA,)) or _is_far(stated.get(b"cHRM"), _SRGB_PLACES)
     return [f"{_COLOURS} (gAMA, cHRM)", *texts] if is_far else texts
+
+
+def _of_chunk(kind: bytes) -> str:
+    return _CREDENTIALS if kind in (b"caBX", b"C2PA") else f"chunk {kind.decode('latin-1').strip()}"
+
+
+def _behind(data: Bytes, at: int) -> list[str]:
+    """Bytes behind the end of the picture, but for padding."""
+    more = len(data) - at
+    is_padding = more < _MOST_PADDING and not bytes(data[at:]).strip(b"\0\xff\r\n ")
+    return [] if more <= 0 or is_padding else [f"{more:,} bytes behind its end"]
 
 
 def are_foreign(colours: tuple[int, ...]) -> bool:
@@ -95,20 +126,38 @@ def _is_far(contents: bytes | None, usual: tuple[int, ...]) -> bool:
 
 
 def _of_jpeg(data: Bytes) -> list[str]:
-    found, resources = [], b""
+    found, packet = [], b""
+    pieces, resources, jumbf = [], [], []
     for start, end in jpeg.segments(data):
         marker, payload = data[start + 1], bytes(data[start + 4 : end])
         if marker == _APP13 and payload.startswith(_PHOTOSHOP):
-            resources += payload.removeprefix(_PHOTOSHOP)
-        elif marker == _APP1 and any(word in payload for word in _MOTION):
-            found.append("a video (motion photo)")
+            resources.append(payload.removeprefix(_PHOTOSHOP))
+        elif marker == _APP1 and payload.startswith(jpeg.EXTENSION_PREFIX):
+            pieces.append(payload.removeprefix(jpeg.EXTENSION_PREFIX))
+        elif marker == _APP1 and payload.startswith(jpeg.XMP_PREFIX):
+            packet = packet or payload
+            found += [_BEHIND[0]] if any(word in payload for word in _MOTION) else []
         elif marker == _APP2 and payload.startswith(_MORE_PICTURES):
-            found.append("further pictures (MPF)")
+            found.append(_BEHIND[1])
+        elif marker == _APP11 and payload.startswith(_JUMBF):
+            jumbf.append(payload)
+        elif marker in _APPLICATIONS and not payload.startswith(_IDLE_SEGMENTS):
+            found.append(_of_segment(marker, payload))
         elif marker == _COMMENT and not payload.startswith(_IDLE_COMMENTS):
             found.append("a comment")
         elif marker in _FRAMES and payload[5:6] == b"\4":
             found.append(_INKS)
-    return found + photoshop.names(resources)
+    found += [_CREDENTIALS if any(b"c2pa" in payload for payload in jumbf) else "APP11 (JUMBF)"] if jumbf else []
+    found += photoshop.names(b"".join(resources))
+    found += ["a part of its XMP"] if extended_xmp.is_lost(packet, pieces) else []
+    return found if set(found) & set(_BEHIND) else found + _behind(data, jpeg.end(data))
+
+
+def _of_segment(marker: int, payload: bytes) -> str:
+    """An application's, by its number and the name that it begins with."""
+    name = payload.partition(b"\0")[0][:12].decode("latin-1")
+    number = f"APP{marker - _APPLICATIONS[0]}"
+    return f"{number} ({name})" if name.isprintable() and name else number
 
 
 def _of_tiff(data: Bytes) -> list[str]:

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from sgicodec.metadata.blobs import Metadata
 from sgicodec.metadata.filebytes import Bytes
 
-__all__ = ["find", "insert", "is_animated", "is_webp"]
+__all__ = ["chunks", "find", "insert", "is_animated", "is_webp"]
 
 _HAS_ALPHA, _HAS_EXIF, _HAS_XMP, _IS_ANIMATED = 0x10, 0x08, 0x04, 0x02
 
@@ -25,20 +25,20 @@ def is_animated(head: bytes) -> bool:
 
 def find(data: Bytes) -> tuple[bytes | None, bytes | None]:
     """The EXIF blob and the XMP packet."""
-    found = {kind: bytes(data[start:end]) for kind, start, end in _chunks(data) if kind in (b"EXIF", b"XMP ")}
+    found = {kind: bytes(data[start:end]) for kind, start, end in chunks(data) if kind in (b"EXIF", b"XMP ")}
     return found.get(b"EXIF"), found.get(b"XMP ")
 
 
 def insert(data: Bytes, metadata: Metadata) -> Iterator[bytes]:
     """The losslessly compressed file, which has no metadata yet, with this EXIF and XMP, piece by piece."""
     exif, xmp = metadata.exif, metadata.xmp
-    chunks = [(kind, bytes(data[start:end])) for kind, start, end in _chunks(data)]
-    if chunks[0][0] != b"VP8X":
-        chunks.insert(0, (b"VP8X", _extended_header(chunks[0][1])))
+    parts = [(kind, bytes(data[start:end])) for kind, start, end in chunks(data)]
+    if parts[0][0] != b"VP8X":
+        parts.insert(0, (b"VP8X", _extended_header(parts[0][1])))
     flags = (_HAS_EXIF if exif is not None else 0) | (_HAS_XMP if xmp is not None else 0)
-    chunks[0] = (b"VP8X", bytes([chunks[0][1][0] | flags]) + chunks[0][1][1:])
-    chunks += [(kind, blob) for kind, blob in ((b"EXIF", exif), (b"XMP ", xmp)) if blob is not None]
-    body = b"".join(kind + struct.pack("<I", len(part)) + part + bytes(len(part) % 2) for kind, part in chunks)
+    parts[0] = (b"VP8X", bytes([parts[0][1][0] | flags]) + parts[0][1][1:])
+    parts += [(kind, blob) for kind, blob in ((b"EXIF", exif), (b"XMP ", xmp)) if blob is not None]
+    body = b"".join(kind + struct.pack("<I", len(part)) + part + bytes(len(part) % 2) for kind, part in parts)
     yield b"RIFF" + struct.pack("<I", 4 + len(body)) + b"WEBP"
     yield body
 
@@ -52,7 +52,7 @@ def _extended_header(vp8l: bytes) -> bytes:
     return struct.pack("<I", alpha * _HAS_ALPHA) + width.to_bytes(3, "little") + height.to_bytes(3, "little")
 
 
-def _chunks(data: Bytes) -> Iterator[tuple[bytes, int, int]]:
+def chunks(data: Bytes) -> Iterator[tuple[bytes, int, int]]:
     """Kind, start and end of the contents of each whole chunk."""
     at = 12
     while at + 8 <= len(data):
