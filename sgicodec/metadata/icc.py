@@ -60,7 +60,8 @@ def _unpacked(data: Bytes, start: int, end: int) -> bytes:
 
 def _of_bmp(data: Bytes) -> bytes | None:
     header = bytes(data[_BMP_HEADER : _BMP_HEADER + _BMP_VERSION_5])
-    if header[:4] != struct.pack("<I", _BMP_VERSION_5) or header[56:60] != _BMP_EMBEDDED:
+    is_version_5 = len(header) == _BMP_VERSION_5 and header[:4] == struct.pack("<I", _BMP_VERSION_5)
+    if not is_version_5 or header[56:60] != _BMP_EMBEDDED:
         return None
     offset, length = struct.unpack("<II", header[112:120])
     return bytes(data[_BMP_HEADER + offset : _BMP_HEADER + offset + length])

@@ -135,6 +135,7 @@ def _of_jpeg(data: Bytes) -> list[str]:
         elif marker == _APP1 and payload.startswith(jpeg.EXTENSION_PREFIX):
             pieces.append(payload.removeprefix(jpeg.EXTENSION_PREFIX))
         elif marker == _APP1 and payload.startswith(jpeg.XMP_PREFIX):
+            found += ["a second XMP packet"] if packet else []
             packet = packet or payload
             found += [_BEHIND[0]] if any(word in payload for word in _MOTION) else []
         elif marker == _APP2 and payload.startswith(_MORE_PICTURES):

@@ -19,8 +19,8 @@ def is_webp(data: Bytes) -> bool:
 
 
 def is_animated(head: bytes) -> bool:
-    """Whether a file that begins so, with 21 bytes or more, is a WebP of frames."""
-    return is_webp(head) and head[12:16] == b"VP8X" and bool(head[20] & _IS_ANIMATED)
+    """Whether a file that begins so is a WebP of frames."""
+    return is_webp(head) and head[12:16] == b"VP8X" and len(head) > 20 and bool(head[20] & _IS_ANIMATED)
 
 
 def find(data: Bytes) -> tuple[bytes | None, bytes | None]:

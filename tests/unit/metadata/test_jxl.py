@@ -13,7 +13,7 @@ from image_files import save
 from tags import exif_blob
 
 from sgicodec import open_source
-from sgicodec.errors import UsageError
+from sgicodec.errors import PictureError, UsageError
 from sgicodec.metadata import exif
 from sgicodec.metadata.jxl import find
 
@@ -84,6 +84,13 @@ def test_without_the_library_it_is_said(tmp_path: Path, monkeypatch: pytest.Monk
     with open_source(boxed(tmp_path / "a.jxl", brotli(b"Exif", bytes(4) + exif_blob()))) as source:
         assert source.metadata.exif is None
         assert source.notes == (NOT_READ,)
+
+
+def test_an_animation_without_the_library_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    data = imagecodecs.jpegxl_encode(np.stack([PIXELS, PIXELS]), photometric="rgb")
+    monkeypatch.setitem(sys.modules, "imagecodecs", None)
+    with pytest.raises(PictureError, match="it is an animation; reading its first frame needs imagecodecs"):
+        open_source(data)
 
 
 @pytest.mark.parametrize("cut", [36, 50])

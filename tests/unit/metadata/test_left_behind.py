@@ -38,10 +38,11 @@ def texts(**given: str) -> bytes:
     return saved("png", pnginfo=info)
 
 
-def jpeg(marker: int, payload: bytes) -> bytes:
-    """A JPEG with one more segment."""
+def jpeg(marker: int, *payloads: bytes) -> bytes:
+    """A JPEG with more segments."""
     plain = saved("jpeg")
-    return plain[:2] + struct.pack(">BBH", 0xFF, marker, len(payload) + 2) + payload + plain[2:]
+    more = [struct.pack(">BBH", 0xFF, marker, len(payload) + 2) + payload for payload in payloads]
+    return plain[:2] + b"".join(more) + plain[2:]
 
 
 def tiff(*pages: dict[str, Any]) -> bytes:
@@ -66,6 +67,7 @@ def masked() -> bytes:
     return out.getvalue()
 
 
+XMP = b"http://ns.adobe.com/xap/1.0/\0<x/>"
 GAMMA, LINEAR = (chunk(b"gAMA", struct.pack(">I", value)) for value in (45455, 100000))
 PQ = chunk(b"cICP", bytes([9, 16, 0, 1]))
 
@@ -98,6 +100,7 @@ PQ = chunk(b"cICP", bytes([9, 16, 0, 1]))
         (jpeg(0xE1, b'http://ns.adobe.com/xap/1.0/\0<x GCamera:MotionPhoto="0"/>'), []),
         (jpeg(0xEB, b"JP\0\1\0\0\0\1\0\0\0\x28jumbc2pa"), ["Content Credentials"]),
         (jpeg(0xE4, b"\1\2\3"), ["APP4"]),
+        (jpeg(0xE1, XMP, XMP), ["a second XMP packet"]),
         (jpeg(0xE2, b"FPXR\0\1"), ["APP2 (FPXR)"]),
         (jpeg(0xEC, b"Ducky\0\1"), []),
         (jpeg(0xE1, b"http://ns.adobe.com/xmp/extension/\0" + bytes(50)), ["a part of its XMP"]),
