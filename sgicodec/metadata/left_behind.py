@@ -87,7 +87,8 @@ def _of_png(data: Bytes) -> list[str]:
             texts += _behind(data, end + 4)
             break
         elif kind not in (b"tEXt", b"zTXt", b"iTXt", *_PNG_CHUNKS):
-            texts.append(_of_chunk(kind))
+            is_idle = kind == b"oFFs" and not any(data[start : start + 8])  # as OpenImageIO writes it
+            texts += [] if is_idle else [_of_chunk(kind)]
         elif kind not in _PNG_CHUNKS:
             keyword = bytes(data[start : min(end, start + 79)])
             if not keyword.startswith(_KEPT_TEXTS + _IDLE_TEXTS):
