@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec.encoder.graphic_cells import CELL, Cells, ColourCounts, cells_in, colour_keys, pixels_in_cells
+from sgicodec.encoder.input.nodata import inpaint
 from sgicodec.encoder.input.windows import Windows
 from sgicodec.metadata.layouts import alpha_index
 from sgicodec.model.tile_grid import Rect
@@ -40,7 +41,9 @@ def without_cells(windows: Windows, cells: Cells, means: F32) -> Windows:
     """A picture whose cells [rows, columns] are filled smoothly from what is around them. means [rows, columns, C]: of
     the samples of each cell.
     """
-    return _Replaced(windows, cells, partial(_interpolated, _filled(means, ~cells)))
+    return _Replaced(
+        windows, cells, partial(_interpolated, inpaint(means.transpose(2, 0, 1), cells).transpose(1, 2, 0))
+    )
 
 
 def without_unseen_colours(windows: Windows) -> Windows:
@@ -112,32 +115,16 @@ def _interpolated(means: F32, pixels: NDArray[Any], inside: Cells, rect: Rect) -
     """What lies between means of cells [rows, columns, C]."""
     y, x = np.nonzero(inside)
     found = np.zeros((len(y), pixels.shape[2]), np.float32)
-    top, bottom, low = _between(rect[1] + y, CELL, means.shape[0])
-    left, right, far = _between(rect[0] + x, CELL, means.shape[1])
+    top, bottom, low = _between(rect[1] + y, means.shape[0])
+    left, right, far = _between(rect[0] + x, means.shape[1])
     for row, down in ((top, 1 - low), (bottom, low)):
         for column, across in ((left, 1 - far), (right, far)):
             found += means[row, column] * (down * across)[:, None]
     return np.rint(found)
 
 
-def _between(places: NDArray[np.int_], size: int, count: int) -> tuple[NDArray[np.int_], NDArray[np.int_], F32]:
-    """The two of `count` cells of a size between whose middles places along an axis lie, and how near to the second."""
-    at = np.clip((places + 0.5) / size - 0.5, 0, count - 1)
+def _between(places: NDArray[np.int_], count: int) -> tuple[NDArray[np.int_], NDArray[np.int_], F32]:
+    """The two of `count` cells between whose middles places along an axis lie, and how near to the second."""
+    at = np.clip((places + 0.5) / CELL - 0.5, 0, count - 1)
     first = at.astype(np.int_)
     return first, np.minimum(first + 1, count - 1), (at - first).astype(np.float32)
-
-
-def _filled(means: F32, known: Cells) -> F32:
-    """Means [rows, columns, C] where they are known, and elsewhere those of ever wider surroundings."""
-    if known.all() or known.size == 1:
-        return means
-    rows, columns, channels = means.shape
-    pad, shape = ((0, rows % 2), (0, columns % 2)), ((rows + 1) // 2, 2, (columns + 1) // 2, 2)
-    count = np.pad(known, pad).reshape(shape).sum(axis=(1, 3))
-    total = np.pad(means * known[..., None], (*pad, (0, 0))).reshape(*shape, channels).sum(axis=(1, 3))
-    coarse = _filled((total / np.maximum(count, 1)[..., None]).astype(np.float32), count > 0)
-    top, bottom, low = _between(np.arange(rows), 2, coarse.shape[0])
-    left, right, far = _between(np.arange(columns), 2, coarse.shape[1])
-    across = coarse[:, left] * (1 - far)[None, :, None] + coarse[:, right] * far[None, :, None]
-    wide = across[top] * (1 - low)[:, None, None] + across[bottom] * low[:, None, None]
-    return np.where(known[..., None], means, wide).astype(np.float32)
