@@ -24,6 +24,9 @@ _CODE_STREAM, _SIGNED = b"\xff\x4f\xff\x51", 128
 """How a code stream begins, and the bit that says that a component is signed."""
 
 
+_MAX_SIDE = (1 << 31) - 1
+
+
 class Components(NamedTuple):
     """width, height: of the picture. depths: a byte for each component, 128 if it is signed, and its number of bits
     less 1. has_alpha: whether the last one is declared as opacity.
@@ -81,13 +84,17 @@ def _found(data: Bytes) -> dict[bytes, bytes]:
 
 
 def components(data: Bytes) -> Components | None:
-    """What the segment SIZ of the code stream says (§A.5.1); None where none is found. Raises struct.error."""
+    """What the segment SIZ of the code stream says (§A.5.1); None where none is found, or no size of a picture. Raises
+    struct.error.
+    """
     start = 0 if data[:4] == _CODE_STREAM else _box(data, b"jp2c")
     if start is None or data[start : start + 4] != _CODE_STREAM:
         return None
     right, bottom, left, top, count = struct.unpack(">4I16xH", data[start + 8 : start + 42])
     depths = bytes(data[start + 42 : start + 42 + 3 * count][::3])
-    return Components(right - left, bottom - top, depths, _has_alpha(data, count)) if depths else None
+    found = Components(right - left, bottom - top, depths, _has_alpha(data, count))
+    is_picture = len(depths) == count > 0 and 0 < found.width <= _MAX_SIDE and 0 < found.height <= _MAX_SIDE
+    return found if is_picture else None
 
 
 def _has_alpha(data: Bytes, count: int) -> bool:

@@ -46,6 +46,14 @@ def test_bands_that_nothing_says_of(bits: int, bands: int, container: str) -> No
     np.testing.assert_array_equal(picture.pixels, stored)
 
 
+@pytest.mark.parametrize("side", [0, 1 << 31, 0xFFFFFFFF])
+def test_sizes_of_no_picture_are_refused(side: int) -> None:
+    data = bytearray(imagecodecs.jpeg2k_encode(numbers("int16", 12, 3)[..., :2], codecformat="j2k", reversible=True))
+    data[8:12] = side.to_bytes(4, "big")
+    with pytest.raises(PictureError):
+        read(bytes(data))
+
+
 def test_damage_is_refused() -> None:
     data = bytes(imagecodecs.jpeg2k_encode(numbers("int16", 16, 1), codecformat="jp2", reversible=True))
     with pytest.raises(PictureError):
