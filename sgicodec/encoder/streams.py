@@ -29,7 +29,7 @@ from sgicodec.metrics.visual_score import visual_score
 from sgicodec.picture import to_rgb8
 from sgicodec.profiles.default import lmbda_of_quality
 from sgicodec.rate_control.quality_search import searched_quality
-from sgicodec.rate_control.target import Measured, RateTarget
+from sgicodec.rate_control.target import RateTarget
 
 __all__ = ["Finished", "Request", "Streams"]
 
@@ -156,14 +156,14 @@ class Streams:
 
     def nearest(self, target: RateTarget) -> tuple[Finished, str | None]:
         """The stream that comes nearest to a target, and how it misses that, if it does."""
-        request, settings, tried = self._request, self._request.plan.settings, dict[float, tuple[Finished, Measured]]()
+        request, settings, tried = self._request, self._request.plan.settings, dict[float, tuple[Finished, float]]()
 
-        def measure(quality: float) -> Measured:
+        def measure(quality: float) -> float:
             finished = self.of(request.at_quality(quality))
             tried[quality] = finished, self._measured(finished, target)
             return tried[quality][1]
 
-        def draft(quality: float) -> Measured:
+        def draft(quality: float) -> float:
             plan = request.at_quality(quality, effort=1, overview=False)
             return self._measured(self.of(plan, "drafts"), target)
 
@@ -172,12 +172,14 @@ class Streams:
         finished, measured = tried[searched_quality(target, measure, draft if has_drafts else None, ending)]
         return finished, target.miss_message(measured) if target.is_missed(measured) else None
 
-    def _measured(self, finished: Finished, target: RateTarget) -> Measured:
-        """What a stream is, as far as the target asks."""
+    def _measured(self, finished: Finished, target: RateTarget) -> float:
+        """What a stream has of the quantity that the target is about."""
         with tempfile.TemporaryFile() as file:
             size = finished.write(file, self._store)
+            if target.quantity == "bytes":
+                return size
             file.seek(0)
-            return target.measure(size, lambda: self._request.psnr(file), lambda: self._request.score(file))
+            return self._request.psnr(file) if target.quantity == "psnr" else self._request.score(file)
 
     def _overview(self, plan: Plan, index: int, runner: TileRunner, reporter: PassReporter) -> bytes:
         def made() -> bytes:

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from sgicodec.rate_control.target import Measured, RateTarget
+from sgicodec.rate_control.target import RateTarget
 
 __all__ = ["MAX_QUALITY", "MIN_QUALITY", "QUALITY_PER_OCTAVE", "searched_quality"]
 
@@ -24,7 +24,8 @@ RESOLUTIONS = 0.05, 0.01
 MIN_SLOPE, MAX_SLOPE = 1 / 24, 1 / 3
 """Octaves of λ that a step of quality is taken for."""
 
-Measure = Callable[[float], Measured]
+Measure = Callable[[float], float]
+"""What the stream of a quality has of the quantity that its target is about."""
 
 
 def searched_quality(
@@ -46,7 +47,7 @@ def searched_quality(
             slope = _slope(drafts)
         if abs(quality - before) < NEAR:
             break
-    tried: dict[float, Measured] = {}
+    tried: dict[float, float] = {}
     while quality not in tried and len(tried) < MAX_STREAMS:
         tried[quality] = measure(quality)
         if target.is_met(tried[quality]) or ending():

@@ -7,7 +7,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-__all__ = ["TARGETS", "Measured", "RateTarget", "Target"]
+__all__ = ["TARGETS", "QuantityName", "RateTarget", "Target"]
+
+QuantityName = Literal["bytes", "psnr", "score"]
+"""Bytes of a stream on disk, the PSNR in dB or the SSIMULACRA 2 score of its decoded samples."""
 
 SIZE_MIN_FRACTION = 0.97
 """Least part of the size that was asked for."""
@@ -24,15 +27,6 @@ SCORE_PER_LMBDA_OCTAVE = 8.0
 """Of photographs between scores of 40 and 80; below, an octave takes more."""
 PSNR_MAX_DB = 200.0
 """Stands for the infinite PSNR of a picture without error."""
-
-
-@dataclass(frozen=True)
-class Measured:
-    """Bytes of a stream on disk; PSNR in dB and SSIMULACRA 2 score of its decoded samples, where they are asked for."""
-
-    bytes: float
-    psnr: float
-    score: float = math.nan
 
 
 @dataclass(frozen=True)
@@ -53,7 +47,7 @@ class _Quantity:
     """Stands for all above."""
 
 
-_QUANTITIES = {
+_QUANTITIES: dict[QuantityName, _Quantity] = {
     "bytes": _Quantity(
         SIZE_OCTAVES_PER_LMBDA_OCTAVE,
         near=lambda wanted: (SIZE_MIN_FRACTION * wanted, wanted),
@@ -75,70 +69,55 @@ _QUANTITIES = {
         reached="best reaches {:.1f}",
     ),
 }
-"""By the field of `Measured` and of `RateTarget`."""
 
 
 @dataclass(frozen=True)
 class RateTarget:
-    """A size in bytes that the stream must not exceed, or a PSNR in dB or a SSIMULACRA 2 score that it must have: one
-    of the three.
+    """A size in bytes that the stream must not exceed, or a PSNR in dB or a SSIMULACRA 2 score that it must have; what
+    is `measured` of a stream is the same quantity.
     """
 
-    bytes: float | None = None
-    psnr: float | None = None
-    score: float | None = None
+    quantity: QuantityName
+    wanted: float
 
-    def _asked(self) -> tuple[str, float]:
-        """The field that is asked for, and its value."""
-        values = ((name, getattr(self, name)) for name in _QUANTITIES)
-        return next((name, value) for name, value in values if value is not None)
+    @property
+    def _quantity(self) -> _Quantity:
+        return _QUANTITIES[self.quantity]
 
-    def measure(self, size: float, psnr: Callable[[], float], score: Callable[[], float]) -> Measured:
-        """What a stream of so many bytes is; of its PSNR and score, only what is asked for is computed."""
-        return Measured(
-            size,
-            math.inf if self.psnr is None else psnr(),
-            math.nan if self.score is None else score(),
-        )
-
-    def rate_error(self, measured: Measured) -> float:
+    def rate_error(self, measured: float) -> float:
         """Estimate of the octaves by which λ should rise: positive where the stream spends more than was asked for."""
-        name, wanted = self._asked()
-        quantity, found = _QUANTITIES[name], getattr(measured, name)
+        quantity = self._quantity
         if quantity.is_size:
-            return math.log2(max(found, 1.0) / (SIZE_AIM_FRACTION * wanted)) / quantity.per_octave
-        return float(min(found, quantity.largest) - wanted) / quantity.per_octave
+            return math.log2(max(measured, 1.0) / (SIZE_AIM_FRACTION * self.wanted)) / quantity.per_octave
+        return float(min(measured, quantity.largest) - self.wanted) / quantity.per_octave
 
-    def is_met(self, measured: Measured) -> bool:
+    def is_met(self, measured: float) -> bool:
         """Size: at most the target, and within 3 % of it. PSNR: within 0.1 dB. Score: within 1."""
-        name, wanted = self._asked()
-        low, high = _QUANTITIES[name].near(wanted)
-        return bool(low <= getattr(measured, name) <= high)
+        low, high = self._quantity.near(self.wanted)
+        return low <= measured <= high
 
-    def is_missed(self, measured: Measured) -> bool:
+    def is_missed(self, measured: float) -> bool:
         """Whether the stream is larger than was allowed, or worse than was asked for."""
-        name, wanted = self._asked()
-        (low, high), found = _QUANTITIES[name].near(wanted), getattr(measured, name)
-        return bool(found > high if _QUANTITIES[name].is_size else found < low)
+        low, high = self._quantity.near(self.wanted)
+        return measured > high if self._quantity.is_size else measured < low
 
-    def nearest(self, streams: Sequence[Measured]) -> int:
+    def nearest(self, streams: Sequence[float]) -> int:
         """Index of the stream with the least rate error, among those that do not miss the target if there are any."""
         sound = [index for index, measured in enumerate(streams) if not self.is_missed(measured)]
         return min(sound or range(len(streams)), key=lambda index: abs(self.rate_error(streams[index])))
 
-    def miss_message(self, measured: Measured) -> str:
+    def miss_message(self, measured: float) -> str:
         """What to report where the best stream misses the target."""
-        name, wanted = self._asked()
-        asked, found = _QUANTITIES[name].asked, _QUANTITIES[name].reached.format(getattr(measured, name))
-        return f"no stream of {asked.format(wanted)} was found; the {found}"
+        asked, reached = self._quantity.asked.format(self.wanted), self._quantity.reached.format(measured)
+        return f"no stream of {asked} was found; the {reached}"
 
 
 @dataclass(frozen=True)
 class Target:
     """A setting that names a rate target, and an option of the command line of the same name."""
 
-    quantity: Literal["bytes", "psnr", "score"]
-    """Which field of `RateTarget` it sets."""
+    quantity: QuantityName
+    """What of a stream it is about."""
     is_sound: Callable[[float], bool]
     """Which values make sense."""
     rule: str
@@ -160,7 +139,7 @@ class Target:
 
     def rate_target(self, value: float, pixels: int) -> RateTarget:
         """That of a picture of `pixels` pixels."""
-        return RateTarget(**{self.quantity: value * pixels / 8 if self.per_pixel else value})
+        return RateTarget(self.quantity, value * pixels / 8 if self.per_pixel else value)
 
 
 TARGETS = {
