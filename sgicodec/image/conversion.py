@@ -89,7 +89,7 @@ def array_picture(
     if pixels.dtype not in (np.uint8, np.uint16, np.float32):
         raise UsageError(f"an array of {pixels.dtype}; convert it to uint8, uint16 or float32 first")
     if nodata is not None and pixels.dtype.kind == "f":
-        if math.isfinite(nodata) and abs(nodata) > np.finfo(stored).max:
+        if math.isfinite(nodata) and abs(nodata) > float(np.finfo(stored).max):
             raise UsageError(f"nodata {nodata:g}, which no sample of {stored} can have")
         with np.errstate(over="ignore"):  # an infinity then, as are its samples
             nodata = float(np.float32(nodata))

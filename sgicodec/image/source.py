@@ -50,7 +50,7 @@ class Source:
         page: int | None = None,
         keeps: bool = False,
     ) -> None:
-        self._origin, self._max_samples, self.page = origin, max_samples, page
+        self._origin, self._max_samples, self._alpha, self.page = origin, max_samples, alpha, page
         self._use = sample_range if isinstance(sample_range, SampleUse) else None
         self._is_scanned = False
         with naming(origin), ExitStack() as stack:
@@ -95,6 +95,12 @@ class Source:
         return self._opened.associated
 
     @property
+    def alpha_may_be_band(self) -> bool:
+        """Whether what the file declares as alpha may be near infrared: a TIFF or JPEG 2000 of unassociated alpha."""
+        declared = self._alpha == "auto" and alpha_index(self.channels) is not None and not self.is_associated
+        return declared and self._opened.kind in ("tiff", "jpeg2000")
+
+    @property
     def notes(self) -> tuple[str, ...]:
         """What of the page, and of what the file says, does not come as it is."""
         opened = self._opened
@@ -104,7 +110,7 @@ class Source:
             notes.append(f"samples of {opened.native} become 32-bit floats{rounded}")
         if numbers := renumbered(opened.spec, opened.kind):
             notes.append(numbers)
-        if opened.alpha_is_band:
+        if opened.alpha_is_band and self._alpha != "band":
             notes.append(ALPHA_IS_BAND)
         if left := opened.left_behind():
             notes.append(f"not kept: {', '.join(left)}")
@@ -272,15 +278,14 @@ def open_to_encode(
     keeps: bool = True,
 ) -> Source:
     """The same for an encode, with `note` called for what its owner should know. Where samples of 16 bits or floats
-    that are declared as alpha cannot be opacity, they are a band like the others. option: what chooses a page; keeps:
-    as in `open_source`.
+    that TIFF or JPEG 2000 declares as alpha cannot be opacity, they are a band like the others. option: what chooses a
+    page; keeps: as in `open_source`.
     """
     if not isinstance(origin, str | Path | bytes):
         origin = origin.read()
     source = open_source(origin, sample_range=sample_range, alpha=alpha, page=page, keeps=keeps)
     try:
-        declared = alpha == "auto" and alpha_index(source.channels) is not None and not source.is_associated
-        if declared and not source.use.opacity:
+        if source.alpha_may_be_band and not source.use.opacity:
             source.close()
             source = open_source(origin, sample_range=sample_range, alpha="band", page=page, keeps=keeps)
             note(NO_OPACITY)

@@ -11,6 +11,7 @@ from tags import TIED, geo_of, text
 
 from sgicodec import EncodeSettings, NullListener, Picture, encode_picture, open_source, write
 from sgicodec.decoder.stream import open_stream
+from sgicodec.image.source import NO_OPACITY, open_to_encode
 from sgicodec.picture import Metadata, full_range
 
 TILES = [0, 64]
@@ -112,3 +113,14 @@ def test_near_infrared_that_is_declared_as_alpha(tmp_path: Path, colours: np.nda
     assert found.channels == "multi"
     assert errors["band"] < 6
     assert nodata is not None or errors["auto"] > 2 * errors["band"]
+
+
+@pytest.mark.parametrize(("name", "channels"), [("x.png", "rgba"), ("x.tif", "multi"), ("x.jp2", "multi")])
+def test_alpha_of_16_bits_that_is_opaque_nowhere(tmp_path: Path, colours: np.ndarray, name: str, channels: str) -> None:
+    """Near infrared in TIFF and JPEG 2000; that of PNG is alpha, and PNG could not hold it as a band."""
+    pixels = np.dstack([colours, colours[..., 0] // 2]).astype(np.uint16) * 100
+    write(Picture(pixels, "rgba", (0.0, 65535.0)), tmp_path / name)
+    said: list[str] = []
+    with open_to_encode(tmp_path / name, said.append) as source:
+        assert source.channels == channels
+    assert said == ([] if channels == "rgba" else [NO_OPACITY])
