@@ -14,6 +14,7 @@ import numpy.typing as npt
 from sgicodec.errors import PictureError, UsageError
 from sgicodec.image.access import Access, Tiles, Whole, access
 from sgicodec.image.header import MAX_SAMPLES, Probe, renumbered
+from sgicodec.image.jpeg2000_reader import Jpeg2000Reader
 from sgicodec.image.opened import Alpha, Opened, open_picture
 from sgicodec.image.origin import Origin, naming, on_disk
 from sgicodec.image.reader import check_whole, pictured
@@ -98,7 +99,7 @@ class Source:
     def alpha_may_be_band(self) -> bool:
         """Whether what the file declares as alpha may be near infrared: a TIFF or JPEG 2000 of unassociated alpha."""
         declared = self._alpha == "auto" and alpha_index(self.channels) is not None and not self.is_associated
-        return declared and self._opened.kind in ("tiff", "jpeg2000")
+        return declared and self._opened.kind in ("tiff", "jpeg2000", Jpeg2000Reader.kind)
 
     @property
     def notes(self) -> tuple[str, ...]:
