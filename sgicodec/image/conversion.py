@@ -18,6 +18,7 @@ from sgicodec.image.narrowed import narrowed
 from sgicodec.image.reader import pictured, read, use_of
 from sgicodec.image.used_range import RangeChoice
 from sgicodec.metadata import density, embedded, icc, placement
+from sgicodec.metadata.exif import PREFIX
 from sgicodec.metadata.layouts import LAYOUTS, alpha_index
 from sgicodec.metadata.motion import Motion
 from sgicodec.picture import Metadata, Picture, full_range
@@ -154,7 +155,7 @@ def pillow_picture(
     turn, size = image.getexif().get(_ORIENTATION), image.size
     turn = turn if turn in range(1, 9) else 1
     image = ImageOps.exif_transpose(image)
-    exif, xmp = image.getexif().tobytes().removeprefix(b"Exif\0\0"), image.info.get("xmp")
+    exif, xmp = image.getexif().tobytes().removeprefix(PREFIX), image.info.get("xmp")
     pixels = _plain_mode(image)
     layout = _LAYOUT_OF_COUNT[pixels.shape[2]]
     profile, misfit = icc.fitting(image.info.get("icc_profile") or None, layout)

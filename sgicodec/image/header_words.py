@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from sgicodec.metadata.stated_colours import PRIMARIES, WHITE
+
 if TYPE_CHECKING:
     from OpenImageIO import ImageSpec
 
@@ -27,7 +29,7 @@ _IDLE = {
 """Attributes that say nothing of the picture itself or are applied, as are those of a format's own that OpenImageIO
 names.
 """
-_USUAL = {"PixelAspectRatio": (1.0,), "chromaticities": (0.64, 0.33, 0.3, 0.6, 0.15, 0.06, 0.3127, 0.329)}
+_USUAL = {"PixelAspectRatio": (1.0,), "chromaticities": (*PRIMARIES, *WHITE)}
 _NO_TRANSFER = ("Undefined", "User defined", "Unspecified video")
 _PLAIN_NAMES = {"r", "g", "b", "a", "y", "red", "green", "blue", "alpha", "i", "channel"}
 _MAX_NAMES = 6

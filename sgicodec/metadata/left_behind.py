@@ -14,7 +14,8 @@ _INKS, _TEXTS, _COLOURS = "inks (RGB instead)", "texts", "colour space"
 _PACKED = "EXIF or XMP that Brotli compressed (the extra avif reads it)"
 _SRGB, _UNKNOWN = (1, 13), 2
 """Colour primaries and transfer function by their numbers (ITU-T H.273), and the number of either that says nothing."""
-_SRGB_GAMMA, _SRGB_PLACES = 45455, (31270, 32900, 64000, 33000, 30000, 60000, 15000, 6000)
+_SRGB_GAMMA = 45455
+_SRGB_PLACES = tuple(round(100_000 * place) for place in (*stated_colours.WHITE, *stated_colours.PRIMARIES))
 _NEAR = 100
 """In 100,000ths, of what PNG states of sRGB."""
 _OF_COLOURS = (b"cICP", b"iCCP", b"sRGB", b"gAMA", b"cHRM")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from sgicodec.metadata.filebytes import Bytes
+from sgicodec.metadata.stated_colours import PRIMARIES, WHITE
 
 __all__ = ["damage", "is_radiance", "left_behind"]
 
@@ -10,13 +11,12 @@ _MOST, _NEAR = 1 << 14, 1e-3
 _XYZ = "32-bit_rle_xyze"
 _IDLE = ("FORMAT", "SOFTWARE", "CAPDATE")
 """Names of lines that say nothing of the picture itself."""
-_SRGB = "0.64 0.33 0.3 0.6 0.15 0.06"
 _USUAL = {
-    "EXPOSURE": ("1",),
-    "PIXASPECT": ("1",),
-    "GAMMA": ("1",),
-    "COLORCORR": ("1 1 1",),
-    "PRIMARIES": (f"{_SRGB} 0.3333 0.3333", f"{_SRGB} 0.3127 0.329"),
+    "EXPOSURE": ((1.0,),),
+    "PIXASPECT": ((1.0,),),
+    "GAMMA": ((1.0,),),
+    "COLORCORR": ((1.0, 1.0, 1.0),),
+    "PRIMARIES": ((*PRIMARIES, 0.3333, 0.3333), (*PRIMARIES, *WHITE)),
 }
 """Numbers that say nothing new: sRGB's primaries beside Radiance's white, or its own."""
 
@@ -51,8 +51,7 @@ def _is_usual(name: str, text: str) -> bool:
         stated = [float(word) for word in text.split()]
     except ValueError:
         return False
-    usual = ([float(word) for word in numbers.split()] for numbers in _USUAL.get(name, ()))
     return any(
         len(stated) == len(each) and all(abs(a - b) < _NEAR for a, b in zip(stated, each, strict=True))
-        for each in usual
+        for each in _USUAL.get(name, ())
     )

@@ -8,14 +8,13 @@ from collections.abc import Sequence
 from sgicodec.metadata import ifd
 from sgicodec.metadata.filebytes import Bytes
 
-__all__ = ["TIFF_TAGS", "of_bmp", "of_qoi", "of_tiff"]
+__all__ = ["PRIMARIES", "TIFF_TAGS", "WHITE", "of_bmp", "of_qoi", "of_tiff"]
 
 _WHITE, _PRIMARIES, _TRANSFER, _PROFILE = 318, 319, 301, 34675
 TIFF_TAGS = {_WHITE, _PRIMARIES, _TRANSFER, _PROFILE}
-_SRGB = (
-    (_WHITE, "WhitePoint", (0.3127, 0.329)),
-    (_PRIMARIES, "PrimaryChromaticities", (0.64, 0.33, 0.3, 0.6, 0.15, 0.06)),
-)
+WHITE, PRIMARIES = (0.3127, 0.329), (0.64, 0.33, 0.3, 0.6, 0.15, 0.06)
+"""Chromaticities x, y of sRGB: of white, and of red, green and blue (IEC 61966-2-1)."""
+_SRGB = ((_WHITE, "WhitePoint", WHITE), (_PRIMARIES, "PrimaryChromaticities", PRIMARIES))
 _NEAR, _NEAR_LEVELS = 2e-3, 655
 """In chromaticities, and in levels of 16 bits: a hundredth."""
 _BMP_HEADER, _VERSION_4, _CALIBRATED, _LINKED = 14, 108, b"\0\0\0\0", b"KNIL"
