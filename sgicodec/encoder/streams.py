@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, BinaryIO
 
 from sgicodec.bitstream.stream_writer import write_stream
-from sgicodec.decoder.stream import open_stream
+from sgicodec.decoder.stream import Stream, open_stream
 from sgicodec.device import Device
 from sgicodec.encoder.graphics import Division
 from sgicodec.encoder.input.overview import overview_picture, overview_settings, takes_overview
@@ -69,19 +69,25 @@ class Request:
 
     def psnr(self, stream: bytes | Path | BinaryIO) -> float:
         """PSNR in dB over all samples of what a stream decodes to, but for colours where alpha is 0. Raises StreamError
-        if it, or its overview, does not decode.
+        if it does not decode.
         """
-        read, header = self.windows.read, self.plan.header
         with open_stream(stream, self.device.processor) as opened:
-            if opened.has_overview:
-                opened.overview.survey()
-            error = sum(squared_error(read(0, top, band.width, band.height), band) for top, band in opened.bands())
+            return self._psnr(opened)
+
+    def _psnr(self, stream: Stream) -> float:
+        read, header = self.windows.read, self.plan.header
+        error = sum(squared_error(read(0, top, band.width, band.height), band) for top, band in stream.bands())
         return decibels(error, header.width * header.height * header.spec.channels)
 
     def verified(self, stream: bytes | Path | BinaryIO) -> float:
-        """The PSNR of a finished stream. The listener gets to know."""
+        """The PSNR of a finished stream. The listener gets to know. Raises StreamError if it, or its overview, does not
+        decode.
+        """
         self.listener.stage("verify")
-        psnr = self.psnr(stream)
+        with open_stream(stream, self.device.processor) as opened:
+            if opened.has_overview:
+                opened.overview.survey()
+            psnr = self._psnr(opened)
         self.check_unchanged()
         return psnr
 

@@ -214,7 +214,7 @@ def open_picture(path: Path, *, any_size: bool = False, alpha: Alpha = "auto", p
         if chosen.directory is not None and chosen.directory.number:
             data = PageBytes(file, chosen.directory)
             _refuse(ifd.damage(data))
-        found = replace(embedded.extract(data), icc=icc.stated(data))
+        found = embedded.extract(data)
         if found.geo is None and jp2.states_place(data):
             found = replace(found, geo=place_by_gdal(path))
         declared = declared_channels(data, image.format_name())
@@ -222,6 +222,7 @@ def open_picture(path: Path, *, any_size: bool = False, alpha: Alpha = "auto", p
             image = open_image(path, second=True, page=page)
         image = by_others(path, data, image, chosen, declared)
         spec, kind = _spec(image, found, chosen.subimage), image.format_name()
+        stated = _profile(spec) or icc.stated(data)
     probe = _probe(image, spec, _LAST.get(alpha, declared.last))
     colours = band_colours(spec, alpha == "auto") if (kind, probe.channels) == ("tiff", "multi") else []
     georeference = with_colours(_with_names(found.geo, image), colours)
@@ -232,7 +233,7 @@ def open_picture(path: Path, *, any_size: bool = False, alpha: Alpha = "auto", p
         found = embedded.turned_already(found, spec.width, spec.height)
     else:
         found = embedded.upright(found, orientation(spec, kind), spec.width, spec.height)
-    profile, misfit = icc.fitting(_profile(spec) or found.icc, probe.channels)
+    profile, misfit = icc.fitting(stated, probe.channels)
     metadata = replace(found, icc=profile, geo=georeference)
     has_alpha = declared.last == "alpha" and alpha_index(header(spec, kind).channels) is not None
     associated = has_alpha and alpha != "band" and is_associated(spec, kind)
