@@ -160,6 +160,17 @@ class TextureModels {
   BitModels models_;
 };
 
+// Whether cells are separate, and the pixels of the first ones that lie before the tile.
+using Grid = std::tuple<bool, int, int>;
+
+sgi::TextureGrid grid_of(Grid given) {
+  const auto [separate, left, top] = given;
+  require(left >= 0 && top >= 0 && left < sgi::kTextureGridSteps && top < sgi::kTextureGridSteps &&
+              (separate || (left == 0 && top == 0)),
+          "a grid begins 0 to 7 pixels before the tile, with it where cells lap over");
+  return {separate, left, top};
+}
+
 void require_planes(Array<const float, 3> planes, Size size) {
   require_size(size, planes.shape(0));
   require(planes.shape(1) == size_t(sgi::texture_roots(size.second) * 32) &&
@@ -175,15 +186,17 @@ sgi::TextureColours colours_of(Colours indices, size_t channels) {
   return colours;
 }
 
-sgi::TextureAmplitudes amplitudes_of(Array<const float, 3> planes, Size size, int threads, Colours colours) {
+void make_amplitudes(sgi::TextureAmplitudes *self, Array<const float, 3> planes, Size size, int threads,
+                     Colours colours, bool separate) {
   require_planes(planes, size);
   const sgi::TextureColours mixed = colours_of(colours, planes.shape(0));
   nb::gil_scoped_release release;
-  return {planes.data(), int(planes.shape(0)), size.first, size.second, threads, mixed};
+  const sgi::TextureLayout layout{size.first, size.second, separate};
+  new (self) sgi::TextureAmplitudes(planes.data(), int(planes.shape(0)), layout, threads, mixed);
 }
 
 auto cheapest_colours(Array<const float, 3> planes, Contrasts contrast, Array<const float, 1> steps,
-                      std::pair<float, float> slope, float lmbda, int threads) {
+                      std::pair<float, float> slope, float lmbda, bool separate, int threads) {
   const size_t down = contrast.shape(0), across = contrast.shape(1);
   require(down && across && planes.shape(1) == 32 * down && planes.shape(2) == 32 * across,
           "contrast [h, w] of the roots, planes [C, 32 h, 32 w]");
@@ -191,14 +204,14 @@ auto cheapest_colours(Array<const float, 3> planes, Contrasts contrast, Array<co
   const sgi::TextureSteps all = steps_of(steps, slope);
   nb::gil_scoped_release release;
   const sgi::TextureColours found = sgi::cheapest_colours(planes.data(), int64_t(32 * across), int64_t(32 * down),
-                                                          contrast.data(), all, lmbda, threads);
+                                                          contrast.data(), all, lmbda, separate, threads);
   return std::tuple(found.shares[0], found.shares[1], found.turn);
 }
 
 void move_amplitudes(sgi::TextureAmplitudes &amplitudes, Array<const float, 3> gradient, Contrasts contrast,
                      Array<const float, 1> steps, std::pair<float, float> slope, float mean, float most,
                      std::optional<LogSizes> division) {
-  require_planes(gradient, {amplitudes.tile_width, amplitudes.tile_height});
+  require_planes(gradient, {amplitudes.layout.width, amplitudes.layout.height});
   require(int(gradient.shape(0)) == amplitudes.channels, "a gradient of as many channels");
   require_contrasts(amplitudes, contrast, steps);
   const uint8_t *const cells = require_division(amplitudes, division);
@@ -207,24 +220,34 @@ void move_amplitudes(sgi::TextureAmplitudes &amplitudes, Array<const float, 3> g
   amplitudes.move(gradient.data(), contrast.data(), all, mean, most, cells);
 }
 
+double estimate_texture(const sgi::TextureAmplitudes &amplitudes, Contrasts contrast, Array<const float, 1> steps,
+                        std::pair<float, float> slope, float lmbda, bool has_contrast) {
+  require_contrasts(amplitudes, contrast, steps);
+  require(lmbda >= 0, "lmbda must not be negative");
+  const sgi::TextureSteps all = steps_of(steps, slope);
+  const nb::gil_scoped_release release;
+  return sgi::estimate_texture(amplitudes, contrast.data(), all, {lmbda, has_contrast, 1});
+}
+
 void draw_texture(LogSizes log_size, Contrasts contrast, SymbolPlanes symbols, Array<const float, 1> steps,
-                  std::pair<float, float> slope, std::array<float, 3> excess, Colours colours, int threads,
-                  const std::string &isa, Array<float, 3> planes) {
+                  std::pair<float, float> slope, std::array<float, 3> excess, Colours colours, Grid indices,
+                  int threads, const std::string &isa, Array<float, 3> planes) {
   const size_t channels = symbols.shape(0);
   require(steps.size() == channels && planes.shape(0) == channels, "steps [C], planes [C, h, w]");
   const int64_t height = int64_t(planes.shape(1)), width = int64_t(planes.shape(2));
   require_size({width, height}, channels);
   const sgi::TextureColours mixed = colours_of(colours, channels);
   const sgi::TextureSteps all = steps_of(steps, slope);
+  const sgi::TextureGrid grid = grid_of(indices);
   TextureField field = field_of(log_size, contrast, symbols);
-  require_field(field, {width, height});
+  require_field(field, {width + grid.left, height + grid.top});
   const nb::gil_scoped_release release;
   field.find_extents();
   sgi::TextureCells cells;
   cells.reserve(field);
   sgi::TextureDequantizer dequantizer(all, excess, mixed, cells);
   sgi::read_cells(field, dequantizer);
-  sgi::draw_texture(cells.texture(int(channels), width, height), {0, 1, 0, width}, {0, 1, 0, height}, threads,
+  sgi::draw_texture(cells.texture(int(channels), width, height, grid), {0, 1, 0, width}, {0, 1, 0, height}, threads,
                     sgi::choose_isa(isa), planes.data());
 }
 
@@ -245,18 +268,16 @@ void bind_texture_coding(nb::module_ &m) {
            "has_contrast"_a, "split_margin"_a, "division"_a.none(),
            "log_size, contrast and symbols; by magnitude 1, 2 and more the symbols and the sum of their excess.");
   nb::class_<sgi::TextureAmplitudes>(m, "TextureAmplitudes")
-      .def(
-          "__init__",
-          [](sgi::TextureAmplitudes *self, Array<const float, 3> planes, Size size, int threads, Colours colours) {
-            new (self) sgi::TextureAmplitudes(amplitudes_of(planes, size, threads, colours));
-          },
-          "planes"_a, "size"_a, "threads"_a, "colours"_a, "planes [C, 32 h, 32 w].")
+      .def("__init__", &make_amplitudes, "planes"_a, "size"_a, "threads"_a, "colours"_a, "separate"_a,
+           "planes [C, 32 h, 32 w]; size: of the layer, its pixels before the tile included.")
+      .def("estimate", &estimate_texture, "contrast"_a, "steps"_a, "slope"_a, "lmbda"_a, "has_contrast"_a,
+           "Squared error plus lmbda times bits, in squared steps, of the best layer, about.")
       .def("move", &move_amplitudes, "gradient"_a, "contrast"_a, "steps"_a, "slope"_a, "mean"_a, "most"_a,
            "division"_a = nb::none(),
            "Moves them up a gradient, [C, 32 h, 32 w] of the roots, in the mean by `mean` of a step, at most by "
            "`most`; with log2 of the sides of a layer's cells [4 h, 4 w], those alone.");
   m.def("draw_texture", &draw_texture, "log_size"_a, "contrast"_a, "symbols"_a, "steps"_a, "slope"_a, "excess"_a,
-        "colours"_a, "threads"_a, "isa"_a, "planes"_a, "Draws a layer into planes [C, h, w] of its tile.");
-  m.def("cheapest_colours", &cheapest_colours, "planes"_a, "contrast"_a, "steps"_a, "slope"_a, "lmbda"_a, "threads"_a,
-        "Indices of the colours in which texture that shows these planes costs least, about.");
+        "colours"_a, "grid"_a, "threads"_a, "isa"_a, "planes"_a, "Draws a layer into planes [C, h, w] of its tile.");
+  m.def("cheapest_colours", &cheapest_colours, "planes"_a, "contrast"_a, "steps"_a, "slope"_a, "lmbda"_a, "separate"_a,
+        "threads"_a, "Indices of the colours in which texture that shows these planes costs least, about.");
 }

@@ -27,7 +27,8 @@ inline auto field_arrays(TextureField field) {
 inline auto texture_arrays(const TextureIndices &of, TextureField field) {
   const auto [one, two, more] = of.excess;
   std::tuple steps(of.step, of.ratios, std::pair(of.slopes[0], of.slopes[1]), std::tuple(one, two, more),
-                   of.has_contrast, std::tuple(of.colours.shares[0], of.colours.shares[1], of.colours.turn));
+                   of.has_contrast, std::tuple(of.colours.shares[0], of.colours.shares[1], of.colours.turn),
+                   std::tuple(of.grid.separate, of.grid.left, of.grid.top));
   return std::tuple_cat(std::tuple<decltype(steps)>(std::move(steps)), field_arrays(std::move(field)));
 }
 

@@ -19,9 +19,9 @@ void TextureCells::reserve(const TextureField &field) {
   floats_to_come = field.channels * field.width * field.height;
 }
 
-Texture TextureCells::texture(int channels, int64_t width, int64_t height) const {
-  return {corner.data(), log_size.data(), amplitudes.data(), waves.data(), int64_t(log_size.size()), channels,
-          width,         height};
+Texture TextureCells::texture(int channels, int64_t width, int64_t height, TextureGrid grid) const {
+  const auto count = int64_t(log_size.size());
+  return {corner.data(), log_size.data(), amplitudes.data(), waves.data(), count, channels, width, height, grid};
 }
 
 TextureDequantizer::TextureDequantizer(const TextureSteps &steps, const std::array<float, 3> &excess,

@@ -21,7 +21,7 @@ struct TextureCells {
   // Makes room for the cells of a field: those that are there stay where they are as more are added.
   void reserve(const TextureField &field);
   // Those that are there, of a tile of width x height pixels.
-  Texture texture(int channels, int64_t width, int64_t height) const;
+  Texture texture(int channels, int64_t width, int64_t height, TextureGrid grid) const;
 
   std::vector<int32_t> corner;             // [N, 2]
   std::vector<uint8_t> log_size;           // [N]

@@ -15,7 +15,8 @@ namespace sgi {
 namespace {
 
 constexpr int kModelsBits = 4, kStepBits = 9, kRatioBits = 5, kSlopeBits = 5, kExcessBits = 4, kShareBits = 6,
-              kTurnBits = 4;
+              kTurnBits = 4, kGridBits = 3;
+static_assert(1 << kGridBits == kTextureGridSteps);
 constexpr int kStepOfOne = 480, kSameStep = 16, kNoExcess = 8;
 // What a layer says about its colours.
 constexpr int kPlain = 2, kColoured = 3;
@@ -27,6 +28,15 @@ BitModels shipped_models() {
   return models;
 }
 
+TextureGrid read_grid(SymbolReader &reader) {
+  TextureGrid grid;
+  grid.separate = reader.number(1);
+  if (!grid.separate) return grid;
+  const std::vector<int32_t> before = reader.values(kGridBits, 2);
+  grid.left = before[0], grid.top = before[1];
+  return grid;
+}
+
 TextureIndices read_indices(SymbolReader &reader, int channels) {
   TextureIndices indices;
   indices.step = reader.number(kStepBits);
@@ -35,6 +45,7 @@ TextureIndices read_indices(SymbolReader &reader, int channels) {
   indices.slopes = {slopes[0], slopes[1]};
   indices.excess = {excess[0], excess[1], excess[2]};
   indices.has_contrast = reader.number(1);
+  indices.grid = read_grid(reader);
   return indices;
 }
 
@@ -45,9 +56,15 @@ TextureColours read_colours(SymbolReader &reader) {
   return colours;
 }
 
-void read_layer(SymbolReader &reader, const TextureIndices &indices, int64_t width, int64_t height, TextureField &field,
-                TextureDequantizer *cells, const RowsRead &rows_read) {
+// Pixels of a layer: those of its tile, and those before it.
+std::pair<int64_t, int64_t> layer_sides(const TextureIndices &indices, int64_t width, int64_t height) {
+  return {width + indices.grid.left, height + indices.grid.top};
+}
+
+void read_layer(SymbolReader &reader, const TextureIndices &indices, std::pair<int64_t, int64_t> sides,
+                TextureField &field, TextureDequantizer *cells, const RowsRead &rows_read) {
   const double before = reader.decoder().content();
+  const auto [width, height] = sides;
   read_texture(shipped_texture_models(), reader, width, height, indices.has_contrast, field, cells, rows_read);
   reader.book(Part::texture, reader.decoder().content() - before);
 }
@@ -75,7 +92,6 @@ const BitModels &shipped_texture_models() {
 std::optional<TextureIndices> read_texture_indices(SymbolReader &reader, int64_t width, int64_t height, int channels,
                                                    int64_t memory) {
   if (!reader.number(1)) return std::nullopt;
-  check_texture(channels, width, height, memory);
   const int models = reader.number(kModelsBits);
   if (models != kPlain && models != kColoured)
     throw Error(Fault::unsupported, "texture: models " + std::to_string(models) + "; this program has models 2 and 3");
@@ -84,23 +100,28 @@ std::optional<TextureIndices> read_texture_indices(SymbolReader &reader, int64_t
     if (channels < 3) throw Error(Fault::corrupt, "texture: colours of " + std::to_string(channels) + " channels");
     indices.colours = read_colours(reader);
   }
+  const auto sides = layer_sides(indices, width, height);
+  check_texture(channels, sides.first, sides.second, memory);
   return indices;
 }
 
 CodedTexture read_texture_layer(SymbolReader &reader, TextureIndices indices, int64_t width, int64_t height,
                                 int channels) {
-  TextureField field = empty_field(width, height, channels);
-  read_layer(reader, indices, width, height, field, nullptr, nullptr);
+  const auto sides = layer_sides(indices, width, height);
+  TextureField field = empty_field(sides.first, sides.second, channels);
+  read_layer(reader, indices, sides, field, nullptr, nullptr);
   return {std::move(indices), std::move(field)};
 }
 
 void read_texture_cells(SymbolReader &reader, const TextureIndices &indices, int64_t width, int64_t height,
                         int channels, TextureCells &cells, const TextureRows &rows_read) {
-  TextureField field = empty_field(width, height, channels, KeptSymbols::last_rows);
+  const auto sides = layer_sides(indices, width, height);
+  TextureField field = empty_field(sides.first, sides.second, channels, KeptSymbols::last_rows);
   TextureDequantizer dequantizer(indices.steps(), indices.added(), indices.colours, cells);
   cells.reserve(field);
-  read_layer(reader, indices, width, height, field, &dequantizer,
-             [&](int64_t rows) { rows_read(rows, cells.texture(channels, width, height)); });
+  read_layer(reader, indices, sides, field, &dequantizer, [&](int64_t rows) {
+    rows_read(rows - indices.grid.top, cells.texture(channels, width, height, indices.grid));
+  });
 }
 
 }  // namespace sgi

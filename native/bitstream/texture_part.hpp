@@ -13,13 +13,14 @@
 
 namespace sgi {
 
-// The steps as indices of the stream.
+// The steps and the grid as indices of the stream.
 struct TextureIndices {
   int step = 0;
   std::vector<int32_t> ratios;  // [C - 1]
   std::array<int, 2> slopes{};
   std::array<int, 3> excess{};
   bool has_contrast = false;
+  TextureGrid grid;
   TextureColours colours;
 
   TextureSteps steps() const;

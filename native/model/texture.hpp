@@ -2,6 +2,7 @@
 #pragma once
 #include "base/isa.hpp"
 #include "model/texture_axis.hpp"
+#include "model/texture_grid.hpp"
 
 namespace sgi {
 
@@ -20,6 +21,7 @@ struct Texture {
   int64_t count;
   int channels;
   int64_t width, height;
+  TextureGrid grid;
 };
 
 // Draws the texture to planes [C, y.count, x.count]. Each pixel adds up its cells in their order.

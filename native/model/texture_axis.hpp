@@ -34,6 +34,12 @@ struct CellPlaces {
   int64_t count;
 };
 
+// Of a layer: as in TextureGrid, with the pixels before the tile along this axis.
+struct AxisGrid {
+  bool separate;
+  int before;
+};
+
 // The pixels first ... first + count - 1 that the cells at one place reach, and where their basis functions are in the
 // tables.
 struct CellAxis {
@@ -47,7 +53,7 @@ struct CellAxis {
 class TextureAxis {
  public:
   // length: of the tile, pixels.
-  TextureAxis(const OutputAxis &output, int64_t length, bool along_pixels, const CellPlaces &places);
+  TextureAxis(const OutputAxis &output, int64_t length, AxisGrid grid, bool along_pixels, const CellPlaces &places);
 
   // Null where the cells that begin at `corner` reach no pixel.
   const CellAxis *cells(int64_t corner, int log_size) const {
@@ -68,6 +74,7 @@ class TextureAxis {
     double begin;
     int side;
     bool hard_low, hard_high;
+    bool is_last;  // no cell follows
   };
   struct Shared {
     int64_t at = -1, stride = 0;
@@ -81,7 +88,8 @@ class TextureAxis {
   int64_t write_table(const Edges &edges, int64_t first, int64_t count);
 
   OutputAxis output_;
-  double end_;  // of cells
+  bool separate_;
+  double begin_, end_;  // of cells, in the tile
   bool along_pixels_, shared_;
   double sigma_, step_, nodes_;                              // a pixel sees 2 nodes + 1 places around its centre
   double reach_;                                             // by which cells reach beyond their sides

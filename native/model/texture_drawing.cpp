@@ -7,8 +7,10 @@ namespace sgi {
 TextureDrawing::TextureDrawing(const Texture &texture, const OutputAxis &x, const OutputAxis &y,
                                const TextureBlocks &blocks, Isa isa)
     : texture_(texture), blocks_(blocks), columns_(x.count), rows_(y.count), kernel_(kernel_for<TextureKernel>(isa)),
-      along_(x, texture.width, true, {texture.corner, texture.log_size, texture.count}),
-      downward_(y, texture.height, false, {texture.corner + 1, texture.log_size, texture.count}),
+      along_(x, texture.width, {texture.grid.separate, texture.grid.left}, true,
+             {texture.corner, texture.log_size, texture.count}),
+      downward_(y, texture.height, {texture.grid.separate, texture.grid.top}, false,
+                {texture.corner + 1, texture.log_size, texture.count}),
       bins_(texture, along_, downward_, blocks, x.count, y.count) {}
 
 bool TextureDrawing::draw(int64_t column, int64_t row, float *planes) const {

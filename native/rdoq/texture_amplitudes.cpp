@@ -6,7 +6,6 @@
 
 #include "base/thread_pool.hpp"
 #include "bitstream/texture_stream.hpp"
-#include "rdoq/texture_transform.hpp"
 
 namespace sgi {
 
@@ -48,11 +47,10 @@ float weigh(float *gain, const CellRow &steps, int side) {
 
 }  // namespace
 
-TextureAmplitudes::TextureAmplitudes(const float *planes, int channels_, int64_t tile_width_, int64_t tile_height_,
-                                     int threads_, const TextureColours &colours)
-    : threads(threads_), channels(channels_), tile_width(tile_width_), tile_height(tile_height_),
-      width(texture_roots(tile_width_) << kTextureRoot), height(texture_roots(tile_height_) << kTextureRoot),
-      colours_(colours) {
+TextureAmplitudes::TextureAmplitudes(const float *planes, int channels_, const TextureLayout &layout_, int threads_,
+                                     const TextureColours &colours)
+    : threads(threads_), channels(channels_), layout(layout_), width(texture_roots(layout.width) << kTextureRoot),
+      height(texture_roots(layout.height) << kTextureRoot), colours_(colours) {
   const std::array<double, 9> into = colours.inverse();
   if (!colours.same()) shares_ = {0, float(-into[3]), float(-into[6])};
   const std::vector<float> mixed = in_colours(planes, into);
@@ -60,8 +58,7 @@ TextureAmplitudes::TextureAmplitudes(const float *planes, int channels_, int64_t
   for (auto &planes_of_size : sizes_) planes_of_size.reset(new float[size_t(width * height * channels)]);
   parallel_for(kTextureSizes * channels, threads, [&](int64_t job) {
     const int64_t size = job / channels, at = job % channels * width * height;
-    analyse_texture(planes + at, width, height, {tile_width, tile_height}, int(size) + kTextureLeast,
-                    sizes_[size].get() + at);
+    analyse_texture(planes + at, width, height, layout, int(size) + kTextureLeast, sizes_[size].get() + at);
   });
 }
 
@@ -86,7 +83,7 @@ void TextureAmplitudes::move(const float *gradient, const int8_t *contrast, cons
     std::vector<double> sums(channels);
     parallel_for(channels, threads, [&](int64_t channel) {
       float *gain = &gains_[size_t(channel * plane)];
-      analyse_texture(gradient + channel * plane, width, height, {tile_width, tile_height}, log, gain, log_size);
+      analyse_texture(gradient + channel * plane, width, height, layout, log, gain, log_size);
       each_cell_row(
           width, height, log, log_size, steps.growth(int(channel), log), &root_steps[channel * roots],
           [&](int64_t at, const CellRow &step) { sums[size_t(channel)] += double(weigh(gain + at, step, 1 << log)); });

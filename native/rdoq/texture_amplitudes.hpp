@@ -8,14 +8,14 @@
 #include "bitstream/texture_field.hpp"
 #include "model/texture_colours.hpp"
 #include "model/texture_steps.hpp"
+#include "rdoq/texture_transform.hpp"
 
 namespace sgi {
 
 class TextureAmplitudes {
  public:
-  // planes: [C, height, width] of the roots (multiples of 32) in the tile's channels; tile_width, tile_height: of the
-  // part that is seen; colours: in which amplitudes are.
-  TextureAmplitudes(const float *planes, int channels, int64_t tile_width, int64_t tile_height, int threads,
+  // planes: [C, height, width] of the roots (multiples of 32) in the tile's channels; colours: in which amplitudes are.
+  TextureAmplitudes(const float *planes, int channels, const TextureLayout &layout, int threads,
                     const TextureColours &colours);
 
   // Moves them up the gradient of a score, planes like those of the constructor, which a layer should not follow far:
@@ -33,7 +33,8 @@ class TextureAmplitudes {
   float share(int channel) const { return channel < 3 ? shares_[channel] : 0; }
 
   int threads, channels;
-  int64_t tile_width, tile_height, width, height;
+  TextureLayout layout;
+  int64_t width, height;  // of the roots
 
  private:
   std::vector<float> in_colours(const float *planes, const std::array<double, 9> &mix) const;

@@ -121,11 +121,12 @@ class ColourSearch {
 }  // namespace
 
 TextureColours cheapest_colours(const float *planes, int64_t width, int64_t height, const int8_t *contrast,
-                                const TextureSteps &steps, float lambda, int threads) {
+                                const TextureSteps &steps, float lambda, bool separate, int threads) {
   const int64_t plane = width * height, across = width / kRoot, roots = across * (height / kRoot);
   std::vector<float> amplitudes(size_t(3 * plane));
   parallel_for(3, threads, [&](int64_t channel) {
-    analyse_texture(planes + channel * plane, width, height, {width, height}, kLog, &amplitudes[channel * plane]);
+    analyse_texture(planes + channel * plane, width, height, {width, height, separate}, kLog,
+                    &amplitudes[channel * plane]);
   });
   ColourSearch search(steps, lambda);
   const int64_t looked = std::min(roots, kMaxRoots);

@@ -8,8 +8,8 @@
 namespace sgi {
 
 // By an estimate over some of the roots, in cells of 16 pixels. planes: [C, height, width] of the roots in the tile's
-// channels, C at least 3; contrast: [roots], indices.
+// channels, C at least 3; contrast: [roots], indices; separate: as in TextureGrid.
 TextureColours cheapest_colours(const float *planes, int64_t width, int64_t height, const int8_t *contrast,
-                                const TextureSteps &steps, float lambda, int threads);
+                                const TextureSteps &steps, float lambda, bool separate, int threads);
 
 }  // namespace sgi

@@ -24,7 +24,9 @@ struct TextureSought {
   int contrast(const TextureField &field, const TextureCell &cell) const {
     return settings.has_contrast ? contrasts[field.root(cell.x, cell.y)] : 0;
   }
-  bool seen(const TextureCell &cell) const { return cell.x < amplitudes.tile_width && cell.y < amplitudes.tile_height; }
+  bool seen(const TextureCell &cell) const {
+    return cell.x < amplitudes.layout.width && cell.y < amplitudes.layout.height;
+  }
 
   // Amplitudes of a cell in steps.
   void scale(const TextureField &field, const TextureCell &cell, int channel, CellValues<float> &scaled) const;
@@ -63,6 +65,11 @@ class TextureRootSearch {
 
   // What is best for a root: the field shows it afterwards, and `plan` has all nodes in coding order.
   void decide(const TextureCell &root, const BitModels &models, std::vector<int> &plan);
+  // What a root costs about, in squared steps.
+  float estimated(const TextureCell &root) {
+    const float best = look_ahead(root);
+    return std::min(best, prospect(root).nothing);
+  }
 
  private:
   float cost(const BitContext &context, int bit) const;

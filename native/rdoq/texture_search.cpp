@@ -20,18 +20,20 @@ namespace {
 // (docs/notes/2026-11-encode-speed.md).
 constexpr int64_t kStale = 8;
 
+TextureField field_for(const TextureAmplitudes &amplitudes) {
+  return empty_field(amplitudes.layout.width, amplitudes.layout.height, amplitudes.channels);
+}
+
 // Codes superblocks in order. Of two rows of them the upper one is decided on and coded one by one, and the lower one
 // decided on meanwhile: its neighbours above are known, and its models a row behind, however many threads there are.
 class TextureSearch {
  public:
   TextureSearch(BitModels &models, const TextureSought &sought)
-      : found_{empty_field(sought.amplitudes.tile_width, sought.amplitudes.tile_height, sought.amplitudes.channels),
-               {},
-               {}},
-        models_(models), coding_(models, found_.field, taker_), sought_(sought) {}
+      : found_{field_for(sought.amplitudes), {}, {}}, models_(models), coding_(models, found_.field, taker_),
+        sought_(sought) {}
 
   TextureFound run() {
-    const int64_t side = 1 << kTextureRoot, height = sought_.amplitudes.tile_height;
+    const int64_t side = 1 << kTextureRoot, height = sought_.amplitudes.layout.height;
     const int64_t across = found_.field.width / side;
     upper_.resize(size_t(across)), lower_.resize(size_t(across));
     for (int64_t y = 0; y < height; y += 2 * side) {
@@ -150,6 +152,16 @@ TextureFound search_texture(BitModels models, const TextureAmplitudes &amplitude
                             const TextureSteps &steps, const TextureSettings &settings, const uint8_t *division) {
   const TextureSought sought{amplitudes, contrast, steps, settings, division};
   return TextureSearch(models, sought).run();
+}
+
+double estimate_texture(const TextureAmplitudes &amplitudes, const int8_t *contrast, const TextureSteps &steps,
+                        const TextureSettings &settings) {
+  const TextureSought sought{amplitudes, contrast, steps, settings, nullptr};
+  TextureField field = field_for(amplitudes);
+  TextureRootSearch search(sought, field);
+  double sum = 0;
+  each_root(amplitudes.width, amplitudes.height, [&](const TextureCell &root) { sum += search.estimated(root); });
+  return sum;
 }
 
 }  // namespace sgi

@@ -30,4 +30,8 @@ TextureFound search_texture(BitModels models, const TextureAmplitudes &amplitude
                             const TextureSteps &steps, const TextureSettings &settings,
                             const uint8_t *division = nullptr);
 
+// What the best layer costs about, its error and lambda times its bits, in squared steps of its roots.
+double estimate_texture(const TextureAmplitudes &amplitudes, const int8_t *contrast, const TextureSteps &steps,
+                        const TextureSettings &settings);
+
 }  // namespace sgi

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,7 @@ from sgicodec.device import ONE_THREAD, Device
 
 __all__ = [
     "CONTRAST_LIMIT",
+    "LAPPED",
     "MAX_SLOPE",
     "MIN_LOG",
     "ROOT_LOG",
@@ -22,6 +23,7 @@ __all__ = [
     "SAME_STEP",
     "STEP_COUNT",
     "STEP_ZERO",
+    "TextureGrid",
     "TextureSteps",
     "TextureSymbols",
     "root_blocks",
@@ -35,6 +37,29 @@ Beyond = Literal["constant", "edge", "symmetric"]
 
 SAME_COLOURS = 32, 32, 8
 """Of a layer in the channels of its tile."""
+
+
+class TextureGrid(NamedTuple):
+    """Where the cells of a layer lie: they lap over their neighbours and begin with the tile, or they are separate, and
+    the first ones begin 0 to 7 pixels before it.
+    """
+
+    separate: bool = False
+    left: int = 0
+    top: int = 0
+
+    def layer_size(self, size: tuple[int, int]) -> tuple[int, int]:
+        """Width and height of a layer: those of its tile and of what lies before it."""
+        return size[0] + self.left, size[1] + self.top
+
+    def layer_planes(self, planes: NDArray[Any], beyond: Beyond) -> NDArray[Any]:
+        """Planes [..., H, W] of a tile as those of a layer; beyond: the mode of np.pad."""
+        if not (self.left or self.top):
+            return planes
+        return np.pad(planes, [(0, 0)] * (planes.ndim - 2) + [(self.top, 0), (self.left, 0)], mode=beyond)
+
+
+LAPPED = TextureGrid()
 
 
 @dataclass(frozen=True)
@@ -114,7 +139,7 @@ def root_blocks(plane: NDArray[Any]) -> NDArray[Any]:
 
 @dataclass(frozen=True)
 class TextureSymbols:
-    """A layer of a tile of `size` (width, height) whose superblocks are `rows` by `columns`.
+    """A layer of a tile of `size` (width, height) whose superblocks are `rows` by `columns`, on `grid`.
 
     log_size [4 rows, 4 columns]: log2 of the side of the cell with texture that covers 8×8 pixels, 0 for none. contrast
     [rows, columns]: of each superblock. symbols [C, 32 rows, 32 columns]: those of a cell [n, n] where its pixels are,
@@ -126,6 +151,7 @@ class TextureSymbols:
     log_size: NDArray[np.uint8]
     contrast: NDArray[np.int8]
     symbols: NDArray[np.int16]
+    grid: TextureGrid = LAPPED
 
     @property
     def is_empty(self) -> bool:
@@ -145,6 +171,7 @@ class TextureSymbols:
             steps.growth,
             steps.added,
             steps.colours,
+            self.grid,
             device.threads,
             device.isa,
             planes,

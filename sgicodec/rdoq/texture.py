@@ -11,7 +11,15 @@ from numpy.typing import NDArray
 from sgicodec._native import TextureAmplitudes, cheapest_colours
 from sgicodec.bitstream.parts.texture import texture_models
 from sgicodec.device import ALL_CORES, Device
-from sgicodec.model.texture_symbols import SAME_COLOURS, TextureSteps, TextureSymbols, roots_of, whole_roots
+from sgicodec.model.texture_symbols import (
+    LAPPED,
+    SAME_COLOURS,
+    TextureGrid,
+    TextureSteps,
+    TextureSymbols,
+    roots_of,
+    whole_roots,
+)
 
 __all__ = ["NO_SPLIT_SEARCH", "SPLIT_SEARCH_MARGIN", "TextureSearch", "colours_for", "superblock_planes"]
 
@@ -25,9 +33,11 @@ _Layer = tuple[NDArray[np.uint8], NDArray[np.int8], NDArray[np.int16]]
 _Found = tuple[_Layer, list[float], list[float]]
 
 
-def superblock_planes(residual: F32, beyond: Literal["symmetric", "constant"] = "symmetric") -> F32:
-    """A residual [C, H, W], mirrored, or with zeros, to fill whole superblocks [C, 32 rows, 32 columns]."""
-    return np.ascontiguousarray(whole_roots(residual, beyond), np.float32)
+def superblock_planes(
+    residual: F32, beyond: Literal["symmetric", "constant"] = "symmetric", grid: TextureGrid = LAPPED
+) -> F32:
+    """A residual [C, H, W], mirrored, or with zeros, to fill whole superblocks [C, 32 rows, 32 columns] of a grid."""
+    return np.ascontiguousarray(whole_roots(grid.layer_planes(residual, beyond), beyond), np.float32)
 
 
 def colours_for(
@@ -36,15 +46,16 @@ def colours_for(
     squared_steps: float,
     offsets: NDArray[np.int8] | None = None,
     device: Device = ALL_CORES,
+    grid: TextureGrid = LAPPED,
 ) -> tuple[int, int, int]:
-    """The colours in which a layer for a residual [C, H, W] costs least, about; the others: see `TextureSearch.at`."""
+    """The colours in which a layer for a residual [C, H, W] costs least, about; the others: see `TextureSearch`."""
     channels, height, width = residual.shape
     if channels < 3:
         return SAME_COLOURS
-    columns, rows = roots_of(width, height)
+    columns, rows = roots_of(*grid.layer_size((width, height)))
     shown = np.zeros((rows, columns), np.int8) if offsets is None else offsets
-    planes, grown = superblock_planes(residual), (steps.of_channels, steps.growth)
-    return cheapest_colours(planes, shown, *grown, squared_steps, device.threads)
+    planes, grown = superblock_planes(residual, grid=grid), (steps.of_channels, steps.growth)
+    return cheapest_colours(planes, shown, *grown, squared_steps, grid.separate, device.threads)
 
 
 class TextureSearch:
@@ -52,7 +63,7 @@ class TextureSearch:
 
     residual [C, H, W]: the tile less what is rendered. split_margin: a block is tried whole, or
     divided, where an estimate says that it costs at most this many times what the other does. correction [C, H, W]:
-    what is shown anyhow. colours: of the layers (see `TextureSteps`).
+    what is shown anyhow. colours: of the layers (see `TextureSteps`). grid: theirs.
     """
 
     def __init__(
@@ -62,18 +73,21 @@ class TextureSearch:
         split_margin: float = SPLIT_SEARCH_MARGIN,
         correction: F32 | None = None,
         colours: tuple[int, int, int] = SAME_COLOURS,
+        grid: TextureGrid = LAPPED,
     ) -> None:
         _, height, width = residual.shape
         self.residual, self.size, self.split_margin, self.device = residual, (width, height), split_margin, device
-        self.colours = colours
-        columns, rows = roots_of(width, height)
+        self.colours, self.grid = colours, grid
+        layer_size = grid.layer_size(self.size)
+        columns, rows = roots_of(*layer_size)
         self._shape = rows, columns
         wanted = residual if correction is None else residual - correction
-        self._amplitudes = TextureAmplitudes(superblock_planes(wanted), self.size, device.threads, colours)
+        planes = superblock_planes(wanted, grid=grid)
+        self._amplitudes = TextureAmplitudes(planes, layer_size, device.threads, colours, grid.separate)
 
     def excluding(self, correction: F32) -> TextureSearch:
         """The search for layers to which restoration adds this correction [C, H, W]."""
-        return TextureSearch(self.residual, self.device, self.split_margin, correction, self.colours)
+        return TextureSearch(self.residual, self.device, self.split_margin, correction, self.colours, self.grid)
 
     def at(
         self,
@@ -94,6 +108,7 @@ class TextureSearch:
             self.size,
             replace(steps, excess=(one, two, more), colours=self.colours),
             *parts,
+            self.grid,
         )
         return None if layer.is_empty else layer
 
@@ -112,10 +127,15 @@ class TextureSearch:
         most `limit` of them; one below a step moves as much less, for it cannot be shown. blocks: a layer whose blocks
         alone are moved, where those that follow take them as they are.
         """
-        planes = superblock_planes(gradient, "constant")
+        planes = superblock_planes(gradient, "constant", self.grid)
         channels, slope = steps.of_channels, steps.growth
         division = None if blocks is None else blocks.log_size
         self._amplitudes.move(planes, self._offsets(offsets), channels, slope, mean, limit, division)
+
+    def estimate(self, steps: TextureSteps, squared_steps: float, offsets: NDArray[np.int8] | None) -> float:
+        """What the best layer costs about, error and bits together, in squared steps; the others: see `at`."""
+        steps_of_channels = steps.of_channels, steps.growth
+        return self._amplitudes.estimate(self._offsets(offsets), *steps_of_channels, squared_steps, steps.has_contrast)
 
     def _search(
         self,

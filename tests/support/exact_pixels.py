@@ -344,10 +344,13 @@ def edge(t: float, hard: bool) -> float:
 
 
 class Atoms:
-    """Those of an axis of a tile of so many pixels, as output pixels see them."""
+    """Those of an axis of a tile of so many pixels, as output pixels see them; before: pixels of the first cells that
+    lie before the tile.
+    """
 
-    def __init__(self, view: View, length: int) -> None:
-        self.view, self.end = view, float((length + 7) // 8 * 8)
+    def __init__(self, view: View, length: int, separate: bool, before: int) -> None:
+        self.view, self.separate, self.begin = view, separate, -before
+        self.end = float((length + before + 7) // 8 * 8 - before)
         self.sigma = math.sqrt(PIXEL_VARIANCE * max(0.0, 1 - view.scale * view.scale)) / view.scale
         self.step = min(1.0, self.sigma) if self.sigma > 0 else 1.0
         self.nodes = math.ceil(3.5 * self.sigma / self.step)
@@ -362,22 +365,29 @@ class Atoms:
 
     def of(self, corner: int, side: int, pixel: int) -> F32:
         """φ_k [n] at an output pixel."""
-        hard_low, hard_high = corner == 0, corner + side == self.end
+        hard_low, hard_high = self.separate or corner == self.begin, self.separate or corner + side == self.end
         low, high = corner - (0 if hard_low else 4), min(corner + side + (0 if hard_high else 4), self.end)
         middle, sums = self.view.place(pixel, 0.5), [0.0] * side
         nodes = self.seen(middle, low, high)
         for node in nodes:
             t = middle + node * self.step - corner
-            twice = 2 * sine_pi(t / side, 1)
+            if self.separate and t >= side and corner + side != self.end:
+                continue
+            cosine = sine_pi(t / side, 1)
+            twice = 2 * cosine
             window = edge(t, hard_low) * edge(side - t, hard_high) * self.weight(node * self.step)
             now = before = sine_pi(0.5 * t / side, 1) * window
+            if self.separate:
+                now, before = window, cosine * window
             for k in range(side):
                 sums[k] += now
                 now, before = twice * now - before, now
+        if self.separate:
+            sums[0] *= math.sqrt(0.5)
         total = 1.0
         if not self.view.is_plain:
             total = 0.0
-            for node in self.seen(middle, 0, self.end):
+            for node in self.seen(middle, self.begin, self.end):
                 total += self.weight(node * self.step)
         gain = math.sqrt(2 / side) / total if len(nodes) else 0.0
         return np.array([value * gain for value in sums]).astype(np.float32)
@@ -425,8 +435,8 @@ def leaves(texture: TextureSymbols) -> list[tuple[int, int, int]]:
             for child in range(4):
                 node(x + child % 2 * n // 2, y + child // 2 * n // 2, n // 2)
 
-    for y in range(0, texture.size[1], 32):
-        for x in range(0, texture.size[0], 32):
+    for y in range(0, texture.size[1] + texture.grid.top, 32):
+        for x in range(0, texture.size[0] + texture.grid.left, 32):
             node(x, y, 32)
     return found
 
@@ -435,7 +445,9 @@ def texture_planes(header: Header, texture: TextureSymbols, across: View, down: 
     """What texture adds [C, h, w]."""
     channels = header.spec.channels
     planes = np.zeros((channels, down.count, across.count), np.float32)
-    horizontal, vertical = Atoms(across, header.width), Atoms(down, header.height)
+    separate, left, top = texture.grid
+    horizontal = Atoms(across, header.width, separate, left)
+    vertical = Atoms(down, header.height, separate, top)
 
     def reached(view: View, atoms: Atoms, corner: int, side: int) -> range:
         """Output pixels that a cell may reach, and a few more."""
@@ -445,11 +457,12 @@ def texture_planes(header: Header, texture: TextureSymbols, across: View, down: 
         return range(max(0, low), min(view.count, high))
 
     for x, y, n in leaves(texture):
-        columns, rows = reached(across, horizontal, x, n), reached(down, vertical, y, n)
+        column, row = x - left, y - top
+        columns, rows = reached(across, horizontal, column, n), reached(down, vertical, row, n)
         if not columns or not rows:
             continue
-        phi_x = np.array([horizontal.of(x, n, i) for i in columns])  # [w, n]
-        phi_y = np.array([vertical.of(y, n, i) for i in rows])
+        phi_x = np.array([horizontal.of(column, n, i) for i in columns])  # [w, n]
+        phi_y = np.array([vertical.of(row, n, i) for i in rows])
         given = amplitudes(texture, x, y, n)
         part = planes[:, rows.start : rows.stop, columns.start : columns.stop]
         for c in range(channels):

@@ -17,10 +17,11 @@ class _Script(Bits):
     """Gives bits as they are wanted, then zeros, and notes their probabilities."""
 
     def __init__(self, bits: str, has_contrast: bool, models: int) -> None:
-        self.wanted, self.has_contrast, self.models = [int(bit) for bit in bits], has_contrast, models
+        self.wanted, self.models = [int(bit) for bit in bits], models
         self.bits: list[int] = []
         self.ones: list[int] = []
         self.fields: list[tuple[int, int]] = []
+        self.flags = [int(has_contrast)]  # then cells that lap over
         self.noted: list[int] = []
 
     def bit(self, one: int) -> int:
@@ -30,7 +31,9 @@ class _Script(Bits):
 
     def raw(self, n_bits: int) -> int:
         first = 1, self.models  # there is texture, of these models
-        value = first[len(self.fields)] if len(self.fields) < 2 else int(n_bits == 1 and self.has_contrast)
+        value = first[len(self.fields)] if len(self.fields) < 2 else 0
+        if n_bits == 1 and len(self.fields) > 2 and self.flags:
+            value = self.flags.pop()
         self.fields.append((value, n_bits))
         return value
 

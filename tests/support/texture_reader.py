@@ -27,7 +27,7 @@ class Cell(NamedTuple):
 
 class TextureReader:
     """Section "Texture". After `read`: steps, None where there is no texture, leaves, contrasts by root, and symbols
-    [v][u] by channel and leaf.
+    [v][u] by channel and leaf. size: of the tile, and after `read` of the layer.
     """
 
     def __init__(self, bits: Bits, size: tuple[int, int], channels: int) -> None:
@@ -53,16 +53,25 @@ class TextureReader:
             "slopes": (5, 2),
             "excess": (4, 3),
             "contrasts": (1, 1),
+            "separate": (1, 1),
         }
+        self.steps = self.fields(widths)
+        if self.steps["separate"] == [1]:
+            self.steps |= self.fields({"before": (3, 2)})
+            left, top = self.steps["before"]
+            self.size = self.size[0] + left, self.size[1] + top
         if self.number == 3:
             assert self.channels >= 3
-            widths |= {"shares": (6, 2), "turn": (4, 1)}
-        self.steps = {name: [self.bits.raw(n) for _ in range(count)] for name, (n, count) in widths.items()}
+            self.steps |= self.fields({"shares": (6, 2), "turn": (4, 1)})
         assert (self.steps.get("shares"), self.steps.get("turn")) != ([32, 32], [8])
         for y in range(0, self.size[1], 32):
             for x in range(0, self.size[0], 32):
                 self.node(Cell(x, y, 32))
         assert self.leaves
+
+    def fields(self, widths: dict[str, tuple[int, int]]) -> dict[str, list[int]]:
+        """Raw values by name, of so many bits and so many of them."""
+        return {name: [self.bits.raw(n) for _ in range(count)] for name, (n, count) in widths.items()}
 
     def begin(self) -> None:
         """Section "Start"."""

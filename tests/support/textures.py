@@ -9,7 +9,7 @@ import numpy as np
 from sgicodec._native import SymbolReader
 from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
 from sgicodec.bitstream.parts.texture import layer_of, write_texture
-from sgicodec.model.texture_symbols import MIN_LOG, ROOT_LOG, TextureSteps, TextureSymbols, roots_of
+from sgicodec.model.texture_symbols import MIN_LOG, ROOT_LOG, TextureGrid, TextureSteps, TextureSymbols, roots_of
 
 
 def random_cells(width: int, height: int, seed: int, share: float) -> tuple[np.ndarray, np.ndarray]:
@@ -36,8 +36,13 @@ def random_cells(width: int, height: int, seed: int, share: float) -> tuple[np.n
 
 
 def random_symbols(channels: int, width: int, height: int, seed: int = 0, most: int = 5) -> TextureSymbols:
-    """A layer that a stream can hold, in cells of all sizes, with and without contrasts; magnitudes up to `most`."""
+    """A layer that a stream can hold, in cells of all sizes that lap over or are separate, with and without contrasts;
+    magnitudes up to `most`.
+    """
     rng = np.random.default_rng(seed)
+    grid = TextureGrid(bool(seed % 2), *(seed // 2 % 64 // part % 8 * (seed % 2) for part in (1, 8)))
+    size = width, height
+    width, height = grid.layer_size(size)
     columns, rows = roots_of(width, height)
     log_size = np.zeros((4 * rows, 4 * columns), np.uint8)
     symbols = np.zeros((channels, 32 * rows, 32 * columns), np.int16)
@@ -66,7 +71,7 @@ def random_symbols(channels: int, width: int, height: int, seed: int = 0, most: 
     if channels >= 3 and rng.random() < 0.7:
         one, two, turn = rng.integers(0, (64, 64, 16)).tolist()
         steps = replace(steps, colours=(one, two, turn))
-    return TextureSymbols((width, height), steps, log_size, contrast.astype(np.int8), symbols)
+    return TextureSymbols(size, steps, log_size, contrast.astype(np.int8), symbols, grid)
 
 
 def read_texture(reader: SymbolReader, size: tuple[int, int], channels: int) -> TextureSymbols | None:
@@ -91,7 +96,7 @@ def read_back(payload: bytes, size: tuple[int, int], channels: int) -> TextureSy
 
 def assert_same(found: TextureSymbols | None, expected: TextureSymbols) -> None:
     assert found is not None
-    assert (found.size, found.steps) == (expected.size, expected.steps)
+    assert (found.size, found.steps, found.grid) == (expected.size, expected.steps, expected.grid)
     for ours, theirs in ((found.log_size, expected.log_size), (found.contrast, expected.contrast)):
         np.testing.assert_array_equal(ours, theirs)
     np.testing.assert_array_equal(found.symbols, expected.symbols)

@@ -16,13 +16,14 @@ from sgicodec.encoder.effort import Effort
 from sgicodec.encoder.input.nodata import OPAQUE, Bare, bare_samples, coded_samples, with_least_masks
 from sgicodec.encoder.plan import Plan
 from sgicodec.encoder.settings import EncodeSettings
+from sgicodec.encoder.tile.jpeg_grid import jpeg_grid
 from sgicodec.encoder.tile.restoration import Restorer, Strength
 from sgicodec.encoder.tile.texture_steps import TUNINGS, Masking, TextureTuning
 from sgicodec.metrics.masking_weights import masking_weights
 from sgicodec.metrics.psnr import luma
 from sgicodec.model.colours import to_channels
 from sgicodec.model.spec import ModelSpec
-from sgicodec.model.texture_symbols import TextureSymbols
+from sgicodec.model.texture_symbols import LAPPED, TextureGrid, TextureSteps, TextureSymbols
 from sgicodec.picture import Picture
 from sgicodec.profiles.fit_settings import FitSettings
 from sgicodec.rdoq import Objective, can_optimise
@@ -35,6 +36,10 @@ __all__ = ["Prepared", "Tile", "TileListener", "TileState", "Watch", "tile_of"]
 
 F32 = NDArray[np.float32]
 I64 = NDArray[np.int64]
+
+SEPARATE_COST = 0.97
+"""Cost of separate cells in that of lapped ones, by an estimate, below which they are taken. Where both seem equal,
+separate ones take 1 to 3 % more (docs/notes/2026-11-texture.md)."""
 
 
 class TileListener:
@@ -109,6 +114,8 @@ class Tile:
     """[H, W]: what squared errors count, None where all count the same."""
     masking: Masking
     """Of texture, for any steps."""
+    jpeg_grid: TextureGrid | None
+    """That of the JPEG file that it was once, None for none."""
     watch: Watch
     device: Device
 
@@ -169,8 +176,8 @@ def tile_of(
         alpha = np.clip(unit[-1], 0, 1)
         unit[-1] = OPAQUE
         empty = None if empty is not None and empty.all() else empty  # a tile without a mask has a model
-    seen = luma(unit.transpose(1, 2, 0), peak=1.0) if settings.tuned_for == "visual" else None
-    weights = None if seen is None else masking_weights(seen, empty)
+    seen = luma(unit.transpose(1, 2, 0), peak=1.0)
+    weights = masking_weights(seen, empty) if settings.tuned_for == "visual" else None
     masking = Masking(TUNINGS[settings.tuned_for], seen, device)
     unit = np.tensordot(to_channels(header.spec).astype(np.float32), unit, axes=1)
     return Tile(
@@ -187,6 +194,7 @@ def tile_of(
         bare,
         weights,
         masking,
+        jpeg_grid(seen) if header.spec.texture else None,
         Watch(listener or TileListener()),
         device,
     )
@@ -231,14 +239,31 @@ class TileState(Prepared):
         return replace(self, model=replace(self.model, texture=texture, restoration=restoration))
 
     def begin_texture(self) -> tuple[TileState, TextureSearch]:
-        """The tile with the offsets of its λ, and what searches texture over its seeds as decoders have them."""
-        tile, tuning = self.tile, self.tile.tuning
-        steps = tuning.steps(tuning.step(self.lmbda), tile.spec.channels)
-        offsets = tile.masking.offsets(steps)
+        """The tile with the offsets of its λ, and what searches texture over its seeds as decoders have them: on the
+        grid of the JPEG file that it was, where that pays.
+        """
+        tile = self.tile
         left = Objective(self.header, self.target, tile.device).decoded_residual(self.model)[:, :, : tile.unit.shape[2]]
-        colours = colours_for(left, steps, tuning.price(self.lmbda), offsets, tile.device)
-        search = TextureSearch(left, tile.device, tile.effort.split_margin, colours=colours)
+        lapped = self._search_of(left, LAPPED)
+        if tile.jpeg_grid is None:
+            return lapped
+        separate = self._search_of(left, tile.jpeg_grid)
+        price = tile.tuning.price(self.lmbda)
+        before, after = (search.estimate(of._steps, price, of.step_offsets) for of, search in (lapped, separate))
+        return separate if after < SEPARATE_COST * before else lapped
+
+    def _search_of(self, left: F32, grid: TextureGrid) -> tuple[TileState, TextureSearch]:
+        """As `begin_texture`, for what seeds leave [C, H, W], on this grid."""
+        tile, steps = self.tile, self._steps
+        offsets = tile.masking.offsets(steps, grid)
+        colours = colours_for(left, steps, tile.tuning.price(self.lmbda), offsets, tile.device, grid)
+        search = TextureSearch(left, tile.device, tile.effort.split_margin, None, colours, grid)
         return replace(self, step_offsets=offsets), search
+
+    @property
+    def _steps(self) -> TextureSteps:
+        """Those of texture for λ."""
+        return self.tile.tuning.steps(self.tile.tuning.step(self.lmbda), self.tile.spec.channels)
 
     def best_layer(
         self, search: TextureSearch, step: int, price: float, blocks: TextureSymbols | None = None

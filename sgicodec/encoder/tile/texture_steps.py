@@ -10,7 +10,6 @@ bits do more elsewhere.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,11 +19,13 @@ from sgicodec.metrics.local_variance import local_variance
 from sgicodec.metrics.regular_pattern import BLOCK, RegularPatterns, regular_patterns
 from sgicodec.model.texture_symbols import (
     CONTRAST_LIMIT,
+    LAPPED,
     MAX_SLOPE,
     ROOT_LOG,
     SAME_STEP,
     STEP_COUNT,
     STEP_ZERO,
+    TextureGrid,
     TextureSteps,
     root_blocks,
     step_index,
@@ -123,21 +124,21 @@ class Masking:
 
     def __init__(self, tuning: TextureTuning, luma: F64 | None, device: Device = ONE_THREAD) -> None:
         self._power, self._device, self._plane = tuning.masking, device, luma
+        self._analyses: dict[TextureGrid, tuple[Offsets, RegularPatterns]] = {}
 
-    def offsets(self, steps: TextureSteps) -> Offsets | None:
-        """Step offsets [rows, columns] for these steps, None where they play no part."""
+    def offsets(self, steps: TextureSteps, grid: TextureGrid = LAPPED) -> Offsets | None:
+        """Step offsets [rows, columns] for these steps on this grid, None where they play no part."""
         if not self._power:
             return None
-        masked, patterns = self._analysis
+        if grid not in self._analyses:
+            self._analyses[grid] = self._analysis(grid)
+        masked, patterns = self._analyses[grid]
         return _indices(masked - 4 * _finer(patterns, steps, masked))
 
-    @cached_property
-    def _analysis(self) -> tuple[Offsets, RegularPatterns]:
-        """What masking says, and the patterns of each superblock [rows, columns, 16]: looked for when they are needed
-        first, which is not at the start of a fit.
-        """
-        plane, self._plane = self._plane, None
-        assert plane is not None
+    def _analysis(self, grid: TextureGrid) -> tuple[Offsets, RegularPatterns]:
+        """What masking says, and the patterns of each superblock [rows, columns, 16]."""
+        assert self._plane is not None
+        plane = grid.layer_planes(self._plane, "symmetric")
         octaves = 0.5 * self._power * np.log2((local_variance(plane / 255.0) + _FLOOR) / _USUAL)
         masked = _indices(4 * root_blocks(octaves).mean(axis=(1, 3)))
         patterns = regular_patterns(plane, self._device)

@@ -12,10 +12,12 @@ import json
 import sys
 from collections.abc import Callable
 from dataclasses import replace
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from PIL import Image
 
 from sgicodec import EncodeSettings, Picture, encode_picture, read
 from sgicodec.bitstream.header import Header
@@ -107,8 +109,21 @@ def pictures() -> dict[str, tuple[Picture, EncodeSettings]]:
         "multi16-held-lossless": (held_bands(), replace(quick, max_error=0)),
         "rgb8-page-lossless": (page(), EncodeSettings(max_error=0)),
         "rgb8-boxes-mixed": (boxes_of_text(forest), replace(luma, quality=30)),
+        "rgb8-jpeg": (Picture(was_jpeg(forest)[3:, 5:], "rgb", (0.0, 255.0)), replace(luma, quality=90)),
+        "rgb8-tiles-jpeg": (
+            Picture(was_jpeg(forest), "rgb", (0.0, 255.0)),
+            replace(restored_psnr, quality=85, tile=100, overview=True),
+        ),
+        "gray16-any-separate": (Picture(grey[..., None], "gray", (0.0, 65535.0)), textured),
         "one-pixel": (Picture(small[:1, :1], "rgb", (0.0, 255.0)), quick),
     }
+
+
+def was_jpeg(pixels: np.ndarray) -> np.ndarray:
+    """Pixels as a JPEG file keeps them."""
+    file = BytesIO()
+    Image.fromarray(pixels).save(file, "JPEG", quality=75, subsampling=0)
+    return np.array(Image.open(file))
 
 
 def drawing() -> Picture:
@@ -214,9 +229,9 @@ def bare_floats(photo: np.ndarray, curved: bool = False) -> Picture:
     return Picture(pixels, "rgb", (-5.0, 27.0), blank=-9999.0, exact=True)
 
 
-def with_any_texture(header: Header, model: TileModel) -> TileModel:
+def with_any_texture(header: Header, model: TileModel, seed: int = 2) -> TileModel:
     """The model with texture that no search finds: contrasts, large symbols, cells of all sizes."""
-    texture = random_symbols(header.spec.channels, header.width, header.height, seed=2)
+    texture = random_symbols(header.spec.channels, header.width, header.height, seed)
     np.multiply(texture.symbols, 100, out=texture.symbols, where=np.abs(texture.symbols) == 5)
     steps = replace(texture.steps, step=250, has_contrast=True, colours=SAME_COLOURS)
     return replace(model, texture=replace(texture, steps=steps))
@@ -230,7 +245,12 @@ def with_any_colours(header: Header, model: TileModel) -> TileModel:
     return replace(model, texture=replace(model.texture, steps=replace(model.texture.steps, colours=(63, 0, 15))))
 
 
-ANY = {"colours": with_any_colours}
+def with_separate_cells(header: Header, model: TileModel) -> TileModel:
+    """The same in cells that do not lap over."""
+    return with_any_texture(header, model, seed=75)
+
+
+ANY = {"colours": with_any_colours, "separate": with_separate_cells}
 
 
 def with_any(data: bytes, alter: Callable[[Header, TileModel], TileModel]) -> bytes:

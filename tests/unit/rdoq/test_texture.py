@@ -10,13 +10,21 @@ from data_files import crop
 from examples import examples
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from textures import read_texture
+from textures import assert_same, read_texture
 
 from sgicodec._native import SymbolReader
 from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
 from sgicodec.bitstream.parts.texture import write_texture
 from sgicodec.device import Device
-from sgicodec.model.texture_symbols import SAME_COLOURS, SAME_STEP, TextureSteps, TextureSymbols, roots_of
+from sgicodec.model.texture_symbols import (
+    LAPPED,
+    SAME_COLOURS,
+    SAME_STEP,
+    TextureGrid,
+    TextureSteps,
+    TextureSymbols,
+    roots_of,
+)
 from sgicodec.rdoq.texture import TextureSearch
 
 SAME = SAME_STEP, SAME_STEP
@@ -46,10 +54,11 @@ def squared_error(residual: np.ndarray, layer: TextureSymbols) -> float:
 
 @pytest.mark.parametrize("width", [96, 97, 100, 104, 112, 120, 125])
 @pytest.mark.parametrize("height", [64, 72, 75, 80])
-def test_fine_steps_show_all_up_to_the_edges(residual: np.ndarray, width: int, height: int) -> None:
+@pytest.mark.parametrize("grid", [LAPPED, TextureGrid(True, 0, 0), TextureGrid(True, 7, 3)])
+def test_fine_steps_show_all_up_to_the_edges(residual: np.ndarray, width: int, height: int, grid: TextureGrid) -> None:
     """Wherever a tile ends: in the middle of a root, of a cell, or where cells of 8 pixels end."""
     part = np.ascontiguousarray(residual[:, :height, :width])
-    layer = TextureSearch(part).at(TextureSteps(140, SAME), 1e-3, None)
+    layer = TextureSearch(part, grid=grid).at(TextureSteps(140, SAME), 1e-3, None)
     assert layer is not None
     error = np.abs(part - layer.draw())
     assert error.max() < 1.5 * TextureSteps(140, SAME).of_channels.max()
@@ -102,20 +111,31 @@ def test_what_is_found_can_always_be_written(
     """Also where the tile ends inside cells, where slopes are steep, and where texture is rare."""
     rng = np.random.default_rng(seed)
     planes = rng.normal(0, 0.1, (channels, height, width)) * (rng.random((channels, height, width)) < rng.random())
-    columns, rows = roots_of(width, height)
+    grid = TextureGrid(True, *rng.integers(0, 8, 2).tolist()) if seed % 3 == 0 else LAPPED
+    columns, rows = roots_of(*grid.layer_size((width, height)))
     contrast = rng.integers(-15, 16, (rows, columns)).astype(np.int8)
     steps = TextureSteps(step, (SAME_STEP,) * (channels - 1), slopes, (8, 8, 8), bool(seed % 2))
-    layer = TextureSearch(planes.astype(np.float32)).at(steps, PRICE, contrast)
+    layer = TextureSearch(planes.astype(np.float32), grid=grid).at(steps, PRICE, contrast)
     if layer is None:
         return
     reader = SymbolReader(payload_of(layer)[0])
     found = read_texture(reader, layer.size, channels)
     reader.finish()
     assert found is not None
-    assert found.steps == layer.steps
-    np.testing.assert_array_equal(found.symbols, layer.symbols)
-    np.testing.assert_array_equal(found.log_size, layer.log_size)
-    np.testing.assert_array_equal(found.contrast, layer.contrast)
+    assert_same(found, layer)
+
+
+def test_an_estimate_says_which_cells_cost_less(residual: np.ndarray) -> None:
+    """Blocks of one frequency cost less in separate cells on their grid than beside it, or in ones that lap over."""
+    wave = np.cos(np.pi * 3 * (np.arange(8) + 0.5) / 8)
+    planes = np.kron(residual[:, ::8, ::8], np.outer(wave, wave)).astype(np.float32)
+    steps, grids = TextureSteps(300, SAME), [LAPPED, TextureGrid(True, 0, 0), TextureGrid(True, 4, 4)]
+    searches = [TextureSearch(planes, grid=grid) for grid in grids]
+    lapped, here, beside = (search.estimate(steps, PRICE, None) for search in searches)
+    assert here < 0.5 * min(lapped, beside)
+    layers = [search.at(steps, PRICE) for search in searches]
+    sizes = [payload_of(layer)[1] for layer in layers if layer is not None]
+    assert sizes[1] < 0.5 * min(sizes[0], sizes[2])
 
 
 @pytest.mark.parametrize("colours", [SAME_COLOURS, OTHERS])

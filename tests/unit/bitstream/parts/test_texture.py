@@ -22,7 +22,7 @@ from sgicodec._native import SymbolReader
 from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
 from sgicodec.device import ONE_THREAD
 from sgicodec.errors import CorruptStreamError
-from sgicodec.model.texture_symbols import SAME_COLOURS, TextureSteps, TextureSymbols
+from sgicodec.model.texture_symbols import SAME_COLOURS, TextureGrid, TextureSteps, TextureSymbols
 from sgicodec.rdoq.texture import TextureSearch
 
 MOST = 16390
@@ -34,7 +34,7 @@ def read_from_the_page(payload: bytes, size: tuple[int, int], channels: int) -> 
     reader.read()
     assert reader.bits.ends_well()
     assert reader.steps is not None
-    rows, columns = -(-size[1] // 32), -(-size[0] // 32)
+    rows, columns = -(-reader.size[1] // 32), -(-reader.size[0] // 32)
     symbols = np.zeros((channels, 32 * rows, 32 * columns), np.int16)
     log_size, contrast = np.zeros((4 * rows, 4 * columns), np.uint8), np.zeros((rows, columns), np.int8)
     for (x, y), value in reader.contrast.items():
@@ -54,7 +54,8 @@ def read_from_the_page(payload: bytes, size: tuple[int, int], channels: int) -> 
         bool(read["contrasts"][0]),
         (*read.get("shares", SAME_COLOURS[:2]), *read.get("turn", SAME_COLOURS[2:])),
     )
-    return TextureSymbols(size, steps, log_size, contrast, symbols)
+    grid = TextureGrid(bool(read["separate"][0]), *read.get("before", (0, 0)))
+    return TextureSymbols(size, steps, log_size, contrast, symbols, grid)
 
 
 layers = st.builds(
@@ -118,7 +119,7 @@ def coloured(colours: tuple[int, int, int]) -> bytes:
         writer.code_int(value, bits)
     for values, bits in (((16, 16), 5), ((0, 0), 5), ((8, 8, 8), 4)):
         writer.code_bits(values, bits)
-    writer.code_int(0, 1)
+    writer.code_bits((0, 0), 1)  # no contrasts, cells that lap over
     writer.code_bits(colours[:2], 6)
     writer.code_int(colours[2], 4)
     return writer.finish()
