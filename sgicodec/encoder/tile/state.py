@@ -37,7 +37,7 @@ __all__ = ["Prepared", "Tile", "TileListener", "TileState", "Watch", "tile_of"]
 F32 = NDArray[np.float32]
 I64 = NDArray[np.int64]
 
-SEPARATE_COST = 0.97
+SEPARATE_COST = 0.98
 """Cost of separate cells in that of lapped ones, by an estimate, below which they are taken. Where both seem equal,
 separate ones take 1 to 3 % more (docs/notes/2026-11-texture.md)."""
 
