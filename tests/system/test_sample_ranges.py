@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 import tifffile
-from command import sgi
+from command import done
 from data_files import crop
 
 import sgicodec
@@ -120,8 +120,7 @@ def test_the_command_line_chooses_a_range(tmp_path: Path, choice: str | None, ex
     picture = Picture(scaled(3000), "rgb", (0.0, 65535.0))
     sgicodec.write(picture, tmp_path / "in.png")
     given = [] if choice is None else ["--range", choice]
-    found = sgi("encode", tmp_path / "in.png", "-e", 1, *given)
-    assert found.exit_code == 0
+    found = done("encode", tmp_path / "in.png", "-e", 1, *given)
     assert sgicodec.open(tmp_path / "in.sgi").header.sample_range == expected
     assert f"dB of the range {expected[0]:g} to {expected[1]:g}" in found.output
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from command import sgi
+from command import done
 
 from sgicodec import write
 from sgicodec.device import Device
@@ -40,8 +40,7 @@ def shared(tmp_path_factory: pytest.TempPathFactory) -> Path:
     floats = scene().astype(np.float32) * 8 - 300
     write(Picture(floats, "rgb", (float(floats.min()), float(floats.max()))), folder / "float.tif")
     for name in ("scene.png", "float.tif"):
-        result = sgi("encode", folder / name, "--steps", 12, "-j", 1, "--quiet")
-        assert result.exit_code == 0, result.output
+        done("encode", folder / name, "--steps", 12, "-j", 1, "--quiet")
     return folder
 
 

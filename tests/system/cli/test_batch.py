@@ -8,7 +8,7 @@ import shutil
 from pathlib import Path
 
 import pytest
-from command import sgi
+from command import done, sgi
 
 from sgicodec import read, write
 
@@ -31,14 +31,13 @@ def files(folder: Path) -> list[str]:
 
 def test_folders_keep_their_subfolders(tree: Path, tmp_path: Path) -> None:
     out = tmp_path / "streams"
-    result = sgi("encode", "-r", tree, "--output-dir", out, "--steps", 1)
-    assert result.exit_code == 0, result.output
+    result = done("encode", "-r", tree, "--output-dir", out, "--steps", 1)
     assert files(out) == ["2025/a.sgi", "2025/may/b.png.sgi", "2025/may/b.tif.sgi", "a.sgi"]
     size = sum(path.stat().st_size for path in out.rglob("*.sgi"))
     assert result.stdout.splitlines()[-1] == f"4 of 4 files encoded, {size:,} bytes"
     back = tmp_path / "back"
     (out / "README").write_text("no stream")
-    assert sgi("decode", "-r", out, "--output-dir", back).exit_code == 0
+    done("decode", "-r", out, "--output-dir", back)
     assert files(back) == ["2025/a.png", "2025/may/b.png.png", "2025/may/b.tif.png", "a.png"]
 
 
@@ -47,9 +46,7 @@ def test_what_is_there_is_left_out(tree: Path, tmp_path: Path) -> None:
     out.mkdir()
     (out / "a.sgi").write_bytes(b"mine")
     options = ("-r", tree, "--output-dir", out, "--steps", 1)
-    result = sgi("encode", *options, "--skip-existing", "--json")
-    assert result.exit_code == 0
-    summary = json.loads(result.stdout.splitlines()[-1])
+    summary = json.loads(done("encode", *options, "--skip-existing", "--json").stdout.splitlines()[-1])
     assert {name: summary[name] for name in ("files", "encoded", "skipped", "failed")} == {
         **{"files": 4, "encoded": 3, "skipped": 1, "failed": 0}
     }

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from command import sgi
+from command import done, refused
 from fake_cuda import fake_driver
 
 from sgicodec.cuda import compiler, driver, gpu
@@ -29,12 +29,11 @@ def test_a_fit_on_the_gpu_that_is_there(picture: Path, tmp_path: Path, monkeypat
     monkeypatch.setattr(gpu, "compiled", lambda architecture, most: b"for no machine")
     streams = {}
     for name, device in {"a": "cuda", "b": "cuda:0", "auto": "auto", "cpu": "cpu"}.items():
-        result = sgi("encode", picture, tmp_path / name, "--steps", 20, "--device", device)
-        assert result.exit_code == 0, result.output
+        done("encode", picture, tmp_path / name, "--steps", 20, "--device", device)
         streams[name] = (tmp_path / name).read_bytes()
     assert streams["a"] == streams["b"] == streams["auto"] != streams["cpu"]
-    result = sgi("encode", picture, tmp_path / "c", "--device", "cuda:1")
-    assert (result.exit_code, result.stderr) == (2, "sgi: no GPU 1: this machine has 1\n")
+    line = refused(2, "encode", picture, tmp_path / "c", "--device", "cuda:1")
+    assert line == "sgi: no GPU 1: this machine has 1\n"
 
 
 @pytest.mark.parametrize(
@@ -53,9 +52,9 @@ def test_what_is_missing(
         fake_driver()
         monkeypatch.setattr(compiler, "_packaged", list)
         monkeypatch.setattr(compiler, "_NAMES", ("libno-such.so",))
-    result = sgi("encode", picture, tmp_path / "out", "--steps", 3, "--device", "cuda")
-    assert (result.exit_code, result.stderr) == (2, f"sgi: {complaint}\n")
+    line = refused(2, "encode", picture, tmp_path / "out", "--steps", 3, "--device", "cuda")
+    assert line == f"sgi: {complaint}\n"
     assert not (tmp_path / "out").exists()
     for name, device in (("auto", "auto"), ("cpu", "cpu")):
-        assert sgi("encode", picture, tmp_path / name, "--steps", 3, "--device", device).exit_code == 0
+        done("encode", picture, tmp_path / name, "--steps", 3, "--device", device)
     assert np.array_equal(*((tmp_path / name).read_bytes() for name in ("auto", "cpu")))

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import json
 import re
 from pathlib import Path
 
 import click
 import pytest
-from command import sgi
+from command import sgi, told
 
 from sgicodec.cli.main import cli
 from sgicodec.encoder.effort import PLAIN_STEPS, PSNR_STEPS, VISUAL_STEPS, effort_of
@@ -56,7 +55,7 @@ def test_formats() -> None:
 @pytest.mark.parametrize(("command", "file"), [("encode", "scene.png"), ("info", "scene.sgi")])
 def test_json_keys(shared: Path, tmp_path: Path, command: str, file: str) -> None:
     options = [tmp_path / "out.sgi", "--steps", 2] if command == "encode" else []
-    keys = json.loads(sgi(command, shared / file, *options, "--json").stdout)
+    keys = told(command, shared / file, *options)
     listed = re.search(r"`--json` prints one object(.*?)\.\s", SECTIONS[command], re.DOTALL)
     assert listed
     assert [

@@ -7,16 +7,14 @@ import re
 from pathlib import Path
 
 import pytest
-from command import sgi
+from command import done, sgi, told
 
 from sgicodec.decoder.stream import open_stream
 from sgicodec.version import __version__
 
 
 def test_json_agrees_with_the_stream(stream: Path) -> None:
-    result = sgi("info", stream, "--survey", "--json")
-    assert result.exit_code == 0
-    facts = json.loads(result.stdout)
+    facts = told("info", stream, "--survey")
     size = stream.stat().st_size
     with open_stream(stream) as opened:
         seeds, crc, positions = len(opened.model.layout), opened.symbol_crc, opened.part_bytes["positions"]
@@ -37,7 +35,7 @@ def test_paper_profile_has_the_papers_table(picture: Path) -> None:
     options = "--profile paper --seeds 6 --per-seed 2 --features 4 --levels 1 --steps 2"
     sgi("encode", picture, *options.split())
     stream = picture.with_suffix(".sgi")
-    facts = json.loads(sgi("info", stream, "--survey", "--json").stdout)
+    facts = told("info", stream, "--survey")
     table = facts["paper_parts"]
     assert list(table)[:6] == ["x_a", "f_a", "{s_o, s_a}", "δ", "H", "MLPs"]
     assert abs(table["x_a"] - facts["parts"]["positions"]) <= 1
@@ -49,10 +47,10 @@ def test_paper_profile_has_the_papers_table(picture: Path) -> None:
 
 
 def test_no_tile_is_decoded_without_a_survey(stream: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    surveyed = json.loads(sgi("info", stream, "--survey", "--json").stdout)
+    surveyed = told("info", stream, "--survey")
     shown = sgi("info", stream, "--survey").stdout
     monkeypatch.setattr("sgicodec.decoder.stream.Stream.survey", None)
-    facts = json.loads(sgi("info", stream, "--json").stdout)
+    facts = told("info", stream)
     later = {"seeds", "gaussians", "texture_cells", "symbol_crc"}
     absent = {"overview", "max_error", "graphics_error", "place", "nodata", "magnification", "resolution"}
     assert {name for name, value in facts.items() if value is None} == later | absent
@@ -67,9 +65,7 @@ def test_no_tile_is_decoded_without_a_survey(stream: Path, monkeypatch: pytest.M
 
 def test_many_files(shared: Path, tmp_path: Path) -> None:
     good = [shared / "scene.sgi", shared / "float.sgi"]
-    result = sgi("info", *good)
-    assert result.exit_code == 0
-    assert re.findall(r"^(\S.*)$", result.stdout, re.MULTILINE) == [str(path) for path in good]
+    assert re.findall(r"^(\S.*)$", done("info", *good).stdout, re.MULTILINE) == [str(path) for path in good]
     result = sgi("info", good[0], tmp_path / "missing.sgi", good[1], "--json")
     assert result.exit_code == 1
     assert [json.loads(line)["input"] for line in result.stdout.splitlines()] == [str(path) for path in good]

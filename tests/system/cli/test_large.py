@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, BinaryIO
 
 import pytest
-from command import sgi
+from command import done, sgi, told
 
 from sgicodec import read
 from sgicodec.decoder.stream import open_stream
@@ -23,19 +23,18 @@ OPTIONS = ("--tile", 32, "--steps", 4, "-j", 1)
 @pytest.fixture
 def tiled(picture: Path) -> Path:
     """scene.png in four tiles."""
-    result = sgi("encode", picture, *OPTIONS, "--quiet")
-    assert result.exit_code == 0, result.output
+    done("encode", picture, *OPTIONS, "--quiet")
     return picture.with_suffix(".sgi")
 
 
 def test_report_and_info(picture: Path, tmp_path: Path) -> None:
-    result = sgi("encode", picture, tmp_path / "a.sgi", *OPTIONS, "--json")
+    result = done("encode", picture, tmp_path / "a.sgi", *OPTIONS, "--json")
     report, size = json.loads(result.stdout), (tmp_path / "a.sgi").stat().st_size
     assert report["tiles"] == 2
     assert report["bytes"] == size
     assert sum(report["parts"].values()) == pytest.approx(size)
     assert "2 tiles of 28×32 pixels, 1 worker, about" in result.stderr
-    facts = json.loads(sgi("info", tmp_path / "a.sgi", "--survey", "--json").stdout)
+    facts = told("info", tmp_path / "a.sgi", "--survey")
     assert facts["tiles"] == 2
     assert facts["seeds"] == report["seeds"]
     assert sum(facts["parts"].values()) == size
@@ -45,21 +44,20 @@ def test_report_and_info(picture: Path, tmp_path: Path) -> None:
 
 def test_an_overview_on_request(picture: Path, tmp_path: Path) -> None:
     plain, with_one = (tmp_path / name for name in ("plain.sgi", "with.sgi"))
-    assert sgi("encode", picture, plain, *OPTIONS).exit_code == 0
-    report = json.loads(sgi("encode", picture, with_one, *OPTIONS, "--overview", "--json").stdout)
+    done("encode", picture, plain, *OPTIONS)
+    report = told("encode", picture, with_one, *OPTIONS, "--overview")
     assert sum(report["parts"].values()) == pytest.approx(with_one.stat().st_size)
-    facts = json.loads(sgi("info", with_one, "--json").stdout)
+    facts = told("info", with_one)
     with open_stream(with_one) as stream:
         assert facts["overview"] == [stream.overview.width, stream.overview.height]
         assert stream.overview.width == round(stream.width / 16)
     added = with_one.stat().st_size - plain.stat().st_size
     assert added - 4 <= facts["parts"]["overview"] <= added  # what the index says of offsets may grow
     assert "overview" in sgi("info", with_one).stdout
-    assert json.loads(sgi("info", plain, "--json").stdout)["overview"] is None
-    shown = tmp_path / "small.png"
-    assert sgi("decode", with_one, shown, "--scale", "1/16").exit_code == 0
-    exact = tmp_path / "exact.png"
-    assert sgi("decode", with_one, exact, "--scale", "1/16", "--exact").exit_code == 0
+    assert told("info", plain)["overview"] is None
+    shown, exact = tmp_path / "small.png", tmp_path / "exact.png"
+    done("decode", with_one, shown, "--scale", "1/16")
+    done("decode", with_one, exact, "--scale", "1/16", "--exact")
     assert (read(shown).pixels != read(exact).pixels).any()
 
 
@@ -84,8 +82,7 @@ def test_interrupt_keeps_what_is_done(
     assert (tmp_path / "a.sgi.part").exists()
     assert sgi("encode", picture, out, *OPTIONS).exit_code == 6
     assert sgi("encode", picture, out, *OPTIONS, "--resume", "-q", 51).exit_code == 2
-    resumed = sgi("encode", picture, out, *OPTIONS, "--resume")
-    assert resumed.exit_code == 0, resumed.output
+    done("encode", picture, out, *OPTIONS, "--resume")
     assert fitted == [0, 1, 1]
     assert out.read_bytes() == tiled.read_bytes()
     assert not (tmp_path / "a.sgi.part").exists()
@@ -101,7 +98,7 @@ def test_two_encodes_to_one_out(picture: Path, tmp_path: Path, also: list[str], 
     assert second.exit_code == 6
     assert f"a.sgi is being written by process {os.getpid()} on" in second.stderr
     assert list(tmp_path.glob("a*")) == []
-    assert sgi("encode", picture, out, "--tile", tile, "-j", 1, "--steps", 1, *also).exit_code == 0
+    done("encode", picture, out, "--tile", tile, "-j", 1, "--steps", 1, *also)
     assert [path.name for path in tmp_path.glob("*a.sgi*")] == ["a.sgi"]
 
 
@@ -110,8 +107,7 @@ def test_too_little_memory_is_refused(picture: Path, tmp_path: Path, tile: int) 
     result = sgi("encode", picture, tmp_path / "a.sgi", "--tile", tile, "--steps", 1, "--max-memory", "100MiB")
     assert (result.exit_code, list(tmp_path.glob("*a.sgi*"))) == (2, [])
     assert "MiB, more than --max-memory; a smaller --tile takes less" in result.stderr
-    enough = sgi("encode", picture, tmp_path / "a.sgi", "--tile", tile, "--steps", 1, "--max-memory", "150MiB", "-j", 1)
-    assert enough.exit_code == 0, enough.stderr
+    done("encode", picture, tmp_path / "a.sgi", "--tile", tile, "--steps", 1, "--max-memory", "150MiB", "-j", 1)
 
 
 @pytest.mark.parametrize("tile", [0, 32])

@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from command import sgi
+from command import done, refused
 from data_files import ATTACKS
 from little_memory import needs_plain_memory
 
@@ -20,22 +20,20 @@ from sgicodec.errors import LimitError
 def test_too_many_pixels(stream: Path, tmp_path: Path, view: tuple[str, ...]) -> None:
     """48×32 of them, or a hundred times as many."""
     most = 10 * (100 if view else 1)
-    result = sgi("decode", stream, tmp_path / "a.png", "--max-pixels", most, *view)
-    assert (result.exit_code, list(tmp_path.glob("a.png"))) == (4, [])
-    assert f"pixels are more than --max-pixels {most}\n" in result.stderr
-    assert sgi("decode", stream, tmp_path / "a.png", "--max-pixels", 480 * 320, *view).exit_code == 0
+    line = refused(4, "decode", stream, tmp_path / "a.png", "--max-pixels", most, *view)
+    assert f"pixels are more than --max-pixels {most}\n" in line
+    assert not list(tmp_path.glob("a.png"))
+    done("decode", stream, tmp_path / "a.png", "--max-pixels", 480 * 320, *view)
 
 
 def test_samples_that_take_too_much(tmp_path: Path) -> None:
     """60,000×60,000 pixels of nothing in 52 bytes, which one call would not render at all as it is."""
+    decode = ("decode", ATTACKS / "mask_none_60k.sgi", tmp_path / "a.png")
     for options in ((), ("--scale", "1/4", "--max-memory", "500MiB")):
-        result = sgi("decode", ATTACKS / "mask_none_60k.sgi", tmp_path / "a.png", *options)
-        assert (result.exit_code, list(tmp_path.iterdir())) == (4, []), result.stderr
-    assert "15000×15000 pixels take 858 MiB, more than --max-memory" in result.stderr
-    part = sgi(
-        "decode", ATTACKS / "mask_none_60k.sgi", tmp_path / "a.png", "--region", "0,0,9,9", "--max-memory", "90M"
-    )
-    assert part.exit_code == 0, part.stderr
+        line = refused(4, *decode, *options)
+        assert list(tmp_path.iterdir()) == []
+    assert "15000×15000 pixels take 858 MiB, more than --max-memory" in line
+    done(*decode, "--region", "0,0,9,9", "--max-memory", "90M")
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="the system holds the limit")

@@ -10,7 +10,7 @@ from typing import Any
 import click
 import numpy as np
 import pytest
-from command import sgi
+from command import done, refused, sgi
 
 from sgicodec.bitstream.header import FORMAT_VERSION
 from sgicodec.cli.command import HelpfulCommand
@@ -23,8 +23,7 @@ from sgicodec.version import __version__
 
 
 def test_help_lists_commands_and_exit_codes() -> None:
-    result = sgi("--help")
-    assert result.exit_code == 0
+    result = done("--help")
     for name in ("encode", "decode", "info", "verify", "compare", "bench", "completion"):
         assert f"\n  {name} " in result.stdout
     codes = [line.split()[0] for line in result.stdout.split("Exit codes:\n")[1].splitlines()]
@@ -74,7 +73,7 @@ def test_help_is_small_and_help_all_is_not(command: str) -> None:
 )
 def test_suggestions(shared: Path, monkeypatch: pytest.MonkeyPatch, arguments: list[str], hint: str) -> None:
     monkeypatch.chdir(shared)
-    assert sgi(*arguments).stderr == f"sgi: {hint}; see sgi --help\n"
+    assert refused(2, *arguments) == f"sgi: {hint}; see sgi --help\n"
 
 
 @pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
@@ -104,11 +103,7 @@ def test_completion(shell: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.
     ],
 )
 def test_usage_errors_are_one_line(arguments: list[str], place: str) -> None:
-    result = sgi(*arguments)
-    assert result.exit_code == 2
-    assert result.stderr.startswith("sgi: ")
-    assert result.stderr.endswith(f"; see {place} --help\n")
-    assert result.stderr.count("\n") == 1
+    assert refused(2, *arguments).endswith(f"; see {place} --help\n")
 
 
 @pytest.mark.parametrize("verbose", [False, True])
@@ -132,8 +127,7 @@ def test_out_of_memory(stream: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         raise MemoryError
 
     monkeypatch.setattr(decoder.Stream, "picture", fail)
-    result = sgi("decode", stream)
-    assert (result.exit_code, result.stderr) == (1, "sgi: there is not enough memory for this picture\n")
+    assert refused(1, "decode", stream) == "sgi: there is not enough memory for this picture\n"
 
 
 def test_interrupt_leaves_nothing(stream: Path, monkeypatch: pytest.MonkeyPatch) -> None:

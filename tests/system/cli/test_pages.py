@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import tifffile
-from command import sgi
+from command import done, refused
 
 import sgicodec
 
@@ -27,26 +27,24 @@ def nearest(stream: Path) -> int:
 
 
 def test_other_pages_are_told_of(stack: Path) -> None:
-    result = sgi("encode", stack, "--steps", 30, "--quiet")
+    result = done("encode", stack, "--steps", 30, "--quiet")
     assert result.stderr == f"sgi: {stack}: the first of 3 pages; --page chooses another\n"
     assert nearest(stack.with_suffix(".sgi")) == 0
 
 
 def test_a_page_is_chosen(stack: Path) -> None:
-    result = sgi("encode", stack, "--page", 2, "--steps", 30, "--quiet")
-    assert (result.exit_code, result.stderr) == (0, "")
+    assert done("encode", stack, "--page", 2, "--steps", 30, "--quiet").stderr == ""
     assert nearest(stack.with_suffix(".sgi")) == 1
 
 
 def test_workers_read_the_same_page(stack: Path, tmp_path: Path) -> None:
     options = ("--tile", 32, "--steps", 10, "--quiet", "--no-overview", "--page", 3)
-    assert sgi("encode", stack, tmp_path / "a.sgi", *options, "-j", 1).exit_code == 0
-    assert sgi("encode", stack, tmp_path / "b.sgi", *options, "--cluster", "local:1").exit_code == 0
+    done("encode", stack, tmp_path / "a.sgi", *options, "-j", 1)
+    done("encode", stack, tmp_path / "b.sgi", *options, "--cluster", "local:1")
     assert nearest(tmp_path / "b.sgi") == 2
     assert (tmp_path / "a.sgi").read_bytes() == (tmp_path / "b.sgi").read_bytes()
 
 
 def test_a_page_that_is_not_there(stack: Path) -> None:
-    result = sgi("encode", stack, "--page", 4)
-    assert result.exit_code == 2
-    assert result.stderr == "sgi: there is no page 4; the picture has 3 pages, counted from 1\n"
+    line = refused(2, "encode", stack, "--page", 4)
+    assert line == "sgi: there is no page 4; the picture has 3 pages, counted from 1\n"

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 import numpy as np
 import pytest
 import tifffile
-from command import sgi
+from command import done, sgi, told
 from data_files import PICTURES
 from PIL import Image
 from tags import TIED, geo_keys, geo_of, rational, shorts, text
@@ -30,15 +29,14 @@ def placed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     pixels = np.full((24, 40, 3), 90, np.uint8)
     pixels[:4] = 0
     write(Picture(pixels, "rgb", (0.0, 255.0), Metadata(geo=blob)), folder / "x.tif")
-    assert sgi("encode", folder / "x.tif", "--steps", 5).exit_code == 0
+    done("encode", folder / "x.tif", "--steps", 5)
     return folder / "x.sgi"
 
 
 def test_a_stream_with_a_place_becomes_a_tiff(placed: Path) -> None:
     before = read(placed.with_suffix(".tif")).metadata.geo
     placed.with_suffix(".tif").unlink()
-    result = sgi("decode", placed)
-    assert (result.exit_code, result.stderr) == (0, "")
+    assert done("decode", placed).stderr == ""
     assert not placed.with_suffix(".png").exists()
     assert read(placed.with_suffix(".tif")).metadata.geo == before
     assert geo.load(before).keys() == {282, 283, 296, 33550, 33922, 34735, 34737, 42113}
@@ -53,7 +51,7 @@ def test_info_shows_the_place(placed: Path) -> None:
     assert shown["pixel"] == "10 × 10 m"
     assert shown["nodata"] == "0"
     assert shown["resolution"] == "1 µm per pixel (10000 pixels per cm)"
-    facts = json.loads(sgi("info", placed, "--json").stdout)
+    facts = told("info", placed)
     assert facts["place"] == {
         "epsg": 32633,
         "name": "WGS 84 / UTM zone 33N",
@@ -80,7 +78,7 @@ def test_exif_and_xmp_say_what_a_view_shows(
     turned: Path, tmp_path: Path, view: list[object], size: tuple[int, int], area: list[int] | None, dpi: object
 ) -> None:
     for name in ("a.jpg", "a.png", "a.tif"):
-        assert sgi("decode", turned, tmp_path / name, *view).exit_code == 0
+        done("decode", turned, tmp_path / name, *view)
         with Image.open(tmp_path / name) as found:
             tags = found.getexif()
             packet = found.tag_v2[700] if name == "a.tif" else found.info["xmp"]
@@ -102,7 +100,7 @@ def turned(tmp_path_factory: pytest.TempPathFactory) -> Path:
     xmp = b'<a tiff:ImageWidth="64" tiff:ImageLength="48"/>'
     pixels = np.tile(np.arange(64, dtype=np.uint8), (48, 1))
     Image.fromarray(pixels).save(folder / "a.jpg", exif=tags.tobytes(), xmp=xmp)
-    assert sgi("encode", folder / "a.jpg", "--steps", 5).exit_code == 0
+    done("encode", folder / "a.jpg", "--steps", 5)
     return folder / "a.sgi"
 
 
@@ -114,8 +112,8 @@ def test_statistics_are_not_those_of_new_pixels(tmp_path: Path) -> None:
     pixels[:4, :4] = np.nan
     tags = [(tag, 2, len(text) + 1, text, True) for tag, text in texts.items()]
     tifffile.imwrite(tmp_path / "x.tif", pixels, metadata=None, extratags=tags)
-    assert sgi("encode", tmp_path / "x.tif", "--steps", 5).exit_code == 0
-    assert sgi("decode", tmp_path / "x.sgi", tmp_path / "y.tif").exit_code == 0
+    done("encode", tmp_path / "x.tif", "--steps", 5)
+    done("decode", tmp_path / "x.sgi", tmp_path / "y.tif")
     with tifffile.TiffFile(tmp_path / "y.tif") as file:
         assert file.pages.first.tags[42112].value == '<GDALMetadata><Item name="NOTE">kept</Item></GDALMetadata>'
         assert np.array_equal(np.isnan(file.asarray()), np.isnan(pixels))
@@ -134,9 +132,8 @@ def test_statistics_are_not_those_of_new_pixels(tmp_path: Path) -> None:
 def test_metadata_that_a_format_does_not_hold_is_named(
     tmp_path: Path, name: str, extension: str, lost: str | None
 ) -> None:
-    assert sgi("encode", PICTURES / name, tmp_path / "x.sgi", "--steps", 2).exit_code == 0
-    found = sgi("decode", tmp_path / "x.sgi", tmp_path / f"x.{extension}")
-    assert found.exit_code == 0
+    done("encode", PICTURES / name, tmp_path / "x.sgi", "--steps", 2)
+    found = done("decode", tmp_path / "x.sgi", tmp_path / f"x.{extension}")
     named = f"sgi: {tmp_path / 'x'}.{extension}: .{extension} does not hold its {lost}; .tif does\n"
     assert found.stderr == ("" if lost is None else named)
 
@@ -150,7 +147,7 @@ def test_a_nodata_value_without_a_place(nodata: float, is_lost: bool, tmp_path: 
     assert f"nodata      {nodata:g}\n" in sgi("info", tmp_path / "x.sgi").stdout
     found = sgi("decode", tmp_path / "x.sgi", tmp_path / "x.exr")
     assert ("does not hold its nodata value" in found.stderr) == is_lost
-    assert sgi("decode", tmp_path / "x.sgi").exit_code == 0
+    done("decode", tmp_path / "x.sgi")
     with tifffile.TiffFile(tmp_path / "x.tif") as file:
         assert float(file.pages.first.tags[42113].value) == pytest.approx(nodata, nan_ok=True)
 
@@ -170,7 +167,7 @@ def scaled(tmp_path_factory: pytest.TempPathFactory) -> Path:
     blob = geo_of({42112: text(f"<GDALMetadata>{''.join(items)}</GDALMetadata>")})
     pixels = np.tile(np.arange(40, dtype=np.uint16) * 100, (24, 1))[..., None]
     write(Picture(pixels, "gray", (0.0, 65535.0), Metadata(geo=blob)), folder / "x.tif")
-    assert sgi("encode", folder / "x.tif", "--steps", 2).exit_code == 0
+    done("encode", folder / "x.tif", "--steps", 2)
     return folder / "x.sgi"
 
 

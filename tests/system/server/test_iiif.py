@@ -9,7 +9,7 @@ from urllib.parse import quote
 
 import numpy as np
 import pytest
-from command import sgi
+from command import done
 from http_server import Answer, Client
 from PIL import Image
 
@@ -30,7 +30,7 @@ def pixels(answer: Answer) -> np.ndarray:
 def decoded(stream: Path, folder: Path, *options: object) -> np.ndarray:
     """What the command draws."""
     target = folder / "decoded.png"
-    assert sgi("decode", stream, target, "--depth", 8, "-f", "--quiet", *options).exit_code == 0
+    done("decode", stream, target, "--depth", 8, "-f", "--quiet", *options)
     return np.asarray(Image.open(target))
 
 

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 import numpy as np
 import pytest
 import tifffile
-from command import sgi
+from command import done, refused, sgi, told
 from data_files import GOLDEN
 from PIL import ImageCms
 
@@ -79,8 +78,7 @@ def test_metadata_of_ome(stream: sgicodec.Stream, tmp_path: Path) -> None:
 def test_the_command(stream: sgicodec.Stream, tmp_path: Path) -> None:
     path = GOLDEN / "rgb8-tiles.sgi"
     for arguments in ((tmp_path / "a.ome.tiff",), (tmp_path / "b.tif", "--pyramid", "--scale", 4, "--depth", 16)):
-        result = sgi("decode", path, *arguments, "--quiet")
-        assert result.exit_code == 0, result.output
+        done("decode", path, *arguments, "--quiet")
     with tifffile.TiffFile(tmp_path / "a.ome.tiff") as one, tifffile.TiffFile(tmp_path / "b.tif") as two:
         assert (one.is_ome, two.is_ome) == (True, False)
         assert two.pages[0].dtype == np.uint16
@@ -89,7 +87,7 @@ def test_the_command(stream: sgicodec.Stream, tmp_path: Path) -> None:
     (tmp_path / "c.tif").write_bytes(out.stdout_bytes)
     np.testing.assert_array_equal(tifffile.imread(tmp_path / "c.tif"), sgicodec.imread(path))
     for wrong in (("a.png", "--pyramid"), ("a.tif", "--pyramid", "--cog")):
-        assert sgi("decode", path, *wrong).exit_code == 2
+        refused(2, "decode", path, *wrong)
 
 
 def test_a_slide_keeps_its_objective_and_the_size_of_its_pixels(tmp_path: Path) -> None:
@@ -100,15 +98,15 @@ def test_a_slide_keeps_its_objective_and_the_size_of_its_pixels(tmp_path: Path) 
     source.write_bytes(sgicodec.encode_picture(picture, sgicodec.EncodeSettings(steps=1, rdoq=False)).data)
     assert "0.25 µm per pixel (Aperio MPP)\n  objective   40×" in sgi("info", source).output
     for out, options in (("a.ome.tif", ()), ("b.ome.tif", ()), ("a.tif", ("--pyramid", "--scale", "1/4"))):
-        assert sgi("decode", source, tmp_path / out, *options, "--quiet").exit_code == 0
+        done("decode", source, tmp_path / out, *options, "--quiet")
     assert (tmp_path / "a.ome.tif").read_bytes() == (tmp_path / "b.ome.tif").read_bytes()
     with tifffile.TiffFile(tmp_path / "a.ome.tif") as file:
         found = tifffile.xml2dict(file.ome_metadata)["OME"]
         assert found["Instrument"]["Objective"]["NominalMagnification"] == 40
         assert found["Image"]["ObjectiveSettings"]["ID"] == found["Instrument"]["Objective"]["ID"]
         assert found["Image"]["Pixels"]["PhysicalSizeY"] == 0.25
-    assert sgi("encode", tmp_path / "a.ome.tif", tmp_path / "again.sgi", "-e", 1, "--quiet").exit_code == 0
-    facts = json.loads(sgi("info", "--json", tmp_path / "again.sgi").output)
+    done("encode", tmp_path / "a.ome.tif", tmp_path / "again.sgi", "-e", 1, "--quiet")
+    facts = told("info", tmp_path / "again.sgi")
     assert (facts["magnification"], facts["resolution"]["microns_per_pixel"]) == ("40", [0.25, 0.25])
     with tifffile.TiffFile(tmp_path / "a.tif") as file:
         assert file.pages[0].description.endswith("|AppMag = 40|MPP = 1|Left = 25.69")
@@ -122,8 +120,7 @@ def test_bands_without_a_meaning_are_planes_with_names(compression: str, tmp_pat
     settings = sgicodec.EncodeSettings(steps=2, tile=256, rdoq=False, overview=False)
     source = tmp_path / "a.sgi"
     source.write_bytes(sgicodec.encode_picture(Picture(pixels, "multi", (0, 255), Metadata(geo=tags)), settings).data)
-    result = sgi("decode", source, tmp_path / "a.ome.tif", "--compress", compression, "--quiet")
-    assert result.exit_code == 0, result.output
+    done("decode", source, tmp_path / "a.ome.tif", "--compress", compression, "--quiet")
     most = 0 if compression == "deflate" else 40
     with tifffile.TiffFile(tmp_path / "a.ome.tif") as file, sgicodec.open(source) as stream:
         assert file.series[0].axes == "CYX"
