@@ -1,13 +1,23 @@
-"""Random samples, and files of them as OpenImageIO alone makes them."""
+"""Random samples, files of them as each library makes them, and what is said of a file when it is opened."""
 
 from __future__ import annotations
 
+import io
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import OpenImageIO as oiio
+import tifffile
+from PIL import Image, ImageCms
 
-__all__ = ["noise", "save"]
+from sgicodec import Picture, open_source, write
+
+__all__ = ["SRGB", "by_pillow", "by_tifffile", "noise", "notes_of", "packed", "save"]
+
+SRGB = ImageCms.ImageCmsProfile(ImageCms.createProfile("sRGB")).tobytes()
+"""An ICC profile."""
 
 
 def noise(height: int, width: int, count: int, dtype: str) -> np.ndarray:
@@ -18,15 +28,50 @@ def noise(height: int, width: int, count: int, dtype: str) -> np.ndarray:
     return random.integers(0, np.iinfo(dtype).max, (height, width, count), dtype, endpoint=True)
 
 
+def packed(picture: Picture, format: str, **options: Any) -> bytes:
+    """The file that sgicodec makes of a picture."""
+    file = io.BytesIO()
+    write(picture, file, format=format, **options)
+    return file.getvalue()
+
+
+def by_pillow(image: np.ndarray | Image.Image, format: str, **options: Any) -> bytes:
+    """The file that Pillow makes of samples or of its image."""
+    file = io.BytesIO()
+    (image if isinstance(image, Image.Image) else Image.fromarray(image)).save(file, format, **options)
+    return file.getvalue()
+
+
+def by_tifffile(samples: np.ndarray, **options: Any) -> bytes:
+    """The file that tifffile makes of samples."""
+    file = io.BytesIO()
+    tifffile.imwrite(file, samples, **options)
+    return file.getvalue()
+
+
+def notes_of(origin: Path | bytes, **options: Any) -> tuple[str, ...]:
+    """What is said of a picture file when it is opened."""
+    with open_source(origin, **options) as source:
+        return source.notes
+
+
 def save(
-    path: Path, pixels: np.ndarray, tile: tuple[int, int] = (0, 0), at: tuple[int, int] = (0, 0), **hints: object
+    path: Path,
+    pixels: np.ndarray,
+    tile: tuple[int, int] = (0, 0),
+    at: tuple[int, int] = (0, 0),
+    channels: Sequence[str] = (),
+    **hints: object,
 ) -> Path:
-    """Writes a file whose attributes are the keywords, `__` for their colon, and whose first pixel is `at` a place."""
+    """Writes a file by OpenImageIO whose attributes are the keywords, `__` for their colon, whose first pixel is `at` a
+    place, and whose channels have these names.
+    """
     height, width, count = pixels.shape
     name = {"float32": "float", "float16": "half", "float64": "double"}.get(str(pixels.dtype), str(pixels.dtype))
     spec = oiio.ImageSpec(width, height, count, name)
     spec.tile_width, spec.tile_height = tile
     spec.x, spec.y = at
+    spec.channelnames = tuple(channels) or spec.channelnames
     for hint, value in hints.items():
         spec.attribute(hint.replace("__", ":"), value)
     image = oiio.ImageOutput.create(str(path))

@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import io
 import warnings
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pillow_heif
 import pytest
-import tifffile
-from image_files import save
+from image_files import by_pillow, by_tifffile, save
 from PIL import Image
 
 from sgicodec import open_source
@@ -22,32 +20,19 @@ TRIES = 400
 EXTREMES = (b"\0\0\0\0", b"\xff\xff\xff\xff", b"\0\0\0\1", b"\x7f\xff\xff\xff")
 
 
-def by_pillow(name: str) -> Callable[[Path], bytes]:
-    def made(_: Path) -> bytes:
-        file = io.BytesIO()
-        Image.fromarray(PIXELS).save(file, name)
-        return file.getvalue()
-
-    return made
-
-
 def heif(_: Path) -> bytes:
     file = io.BytesIO()
     pillow_heif.from_pillow(Image.fromarray(PIXELS)).save(file)
     return file.getvalue()
 
 
-def tiles(path: Path) -> bytes:
-    tifffile.imwrite(path, PIXELS, tile=(16, 16), compression="zlib", metadata={"axes": "YXS"})
-    return path.read_bytes()
-
-
 MADE = {
-    **{name: by_pillow(name) for name in ("PNG", "JPEG", "WEBP", "AVIF", "GIF", "TIFF", "BMP")},
+    **{end: lambda path: by_pillow(PIXELS, path.suffix[1:]) for end in ("png", "jpeg", "webp", "avif", "gif", "bmp")},
     **{end: lambda path: save(path, PIXELS).read_bytes() for end in ("jp2", "jxl", "tga", "dpx", "fits", "ppm")},
     **{end: lambda path: save(path, PIXELS.astype(np.float32)).read_bytes() for end in ("exr", "hdr")},
     "heic": heif,
-    "tif": tiles,
+    "tiff": lambda _: by_pillow(PIXELS, "TIFF"),
+    "tif": lambda _: by_tifffile(PIXELS, tile=(16, 16), compression="zlib", metadata={"axes": "YXS"}),
 }
 
 
@@ -68,7 +53,7 @@ def changed(data: bytes, rng: np.random.Generator) -> bytes:
 
 @pytest.mark.parametrize("kind", MADE)
 def test_damage_is_an_error_of_ours(kind: str, tmp_path: Path) -> None:
-    path, rng = tmp_path / f"a.{kind.lower()}", np.random.default_rng(5)
+    path, rng = tmp_path / f"a.{kind}", np.random.default_rng(5)
     whole, errors = MADE[kind](path), []
     for _ in range(TRIES):
         path.write_bytes(changed(whole, rng))

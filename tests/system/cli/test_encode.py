@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from command import done, refused, sgi, told
-from PIL import ImageCms
+from image_files import SRGB
 
 from sgicodec import imread, write
 from sgicodec.cli.encode_listener import EncodeListener
@@ -161,8 +161,7 @@ def test_a_size_that_is_missed(picture: Path) -> None:
 
 def test_a_size_that_metadata_exceed(pixels: np.ndarray, tmp_path: Path) -> None:
     source = tmp_path / "a.png"
-    profile = ImageCms.ImageCmsProfile(ImageCms.createProfile("sRGB")).tobytes()
-    write(Picture(pixels, "rgb", (0.0, 255.0), Metadata(icc=profile)), source)
+    write(Picture(pixels, "rgb", (0.0, 255.0), Metadata(icc=SRGB)), source)
     result = sgi("encode", source, "--size", 500, "--steps", 2)
     assert (result.exit_code, result.stderr.count("\n")) == (5, 1)
     assert " of them metadata, which --no-metadata leaves out; it is written to " in result.stderr

@@ -19,9 +19,10 @@ import numpy as np
 import pytest
 from children import HANGS
 from data_files import GOLDEN_STREAMS
+from image_files import SRGB
 from library import NEEDS_COMPILER, ROOT
 from numpy.typing import NDArray
-from PIL import Image, ImageCms
+from PIL import Image
 
 import sgicodec
 from sgicodec.metadata.blobs import Metadata
@@ -237,13 +238,12 @@ def test_metadata_travel_in_png(sgidec: Path, formats: set[str], tmp_path: Path)
     picture = sgicodec.read(ROOT / "tests" / "data" / "pictures" / "basn2c08.png")
     exif = Image.Exif()
     exif[0x010E] = "a description"
-    profile = ImageCms.ImageCmsProfile(ImageCms.createProfile("sRGB")).tobytes()
     xmp = b'<x:xmpmeta xmlns:x="adobe:ns:meta/"></x:xmpmeta>'
-    kept = Metadata(icc=profile, exif=exif.tobytes()[6:], xmp=xmp)
+    kept = Metadata(icc=SRGB, exif=exif.tobytes()[6:], xmp=xmp)
     (tmp_path / "a.sgi").write_bytes(sgicodec.encode(replace(picture, metadata=kept), steps=2))
     done(sgidec, tmp_path / "a.sgi", tmp_path / "a.png")
     found = sgicodec.read(tmp_path / "a.png").metadata
-    assert (found.icc, found.xmp) == (profile, xmp)
+    assert (found.icc, found.xmp) == (SRGB, xmp)
     with Image.open(tmp_path / "a.png") as image:
         assert image.getexif()[0x010E] == "a description"
     done(sgidec, tmp_path / "a.sgi", tmp_path / "b.png", "--no-metadata")
@@ -253,9 +253,8 @@ def test_metadata_travel_in_png(sgidec: Path, formats: set[str], tmp_path: Path)
 def test_a_profile_that_png_refuses_is_told(sgidec: Path, formats: set[str], tmp_path: Path) -> None:
     if "png" not in formats:
         pytest.skip("built without libpng")
-    profile = ImageCms.ImageCmsProfile(ImageCms.createProfile("sRGB")).tobytes()
     picture = sgicodec.read(ROOT / "tests" / "data" / "pictures" / "hopper_gray.jpg")
-    (tmp_path / "a.sgi").write_bytes(sgicodec.encode(replace(picture, metadata=Metadata(icc=profile)), steps=2))
+    (tmp_path / "a.sgi").write_bytes(sgicodec.encode(replace(picture, metadata=Metadata(icc=SRGB)), steps=2))
     finished = run(sgidec, tmp_path / "a.sgi", tmp_path / "a.png")
     assert finished.returncode == 0
     assert b"sgidec: warning:" in finished.stderr

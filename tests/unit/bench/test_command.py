@@ -10,15 +10,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 from click.testing import CliRunner, Result
+from image_files import SRGB
+from PIL import Image
 from range_server import served
 
 import sgicodec
 from sgicodec.bench.command import bench, compare
 from sgicodec.errors import OutputExistsError, SgiError, StreamError, TargetMissedError, UsageError
 from sgicodec.metrics.perceptual import Perceived
-
-Image = pytest.importorskip("PIL.Image")
-ImageCms = pytest.importorskip("PIL.ImageCms")
 
 
 def save(path: Path, pixels: np.ndarray) -> Path:
@@ -189,9 +188,8 @@ def test_compare_refuses_unlike_pictures(tmp_path: Path) -> None:
 def test_compare_tells_of_profiles(tmp_path: Path) -> None:
     plain, first, second = (tmp_path / f"{name}.png" for name in ("plain", "first", "second"))
     save(plain, picture())
-    profile = ImageCms.ImageCmsProfile(ImageCms.createProfile("sRGB")).tobytes()
     for path, number in ((first, b"1"), (second, b"2")):
-        Image.fromarray(picture()).save(path, icc_profile=profile[:84] + number * 16 + profile[100:])
+        Image.fromarray(picture()).save(path, icc_profile=SRGB[:84] + number * 16 + SRGB[100:])
     assert call(compare, first, first).stderr == ""
     result = call(compare, plain, first, "--json")
     assert result.stderr == "sgi: only one has an ICC profile; samples are compared as they are\n"

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import io
 import struct
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from PIL import Image, ImageCms
+from image_files import SRGB, by_pillow
+from PIL import Image
 
 from sgicodec import read
 from sgicodec.errors import PictureError
@@ -24,9 +24,7 @@ XMP = b"<x:xmpmeta xmlns:x='adobe:ns:meta/' tiff:Orientation='6'/>"
 
 def saved(pixels: np.ndarray, **settings: Any) -> bytes:
     """A file by Pillow: 8 bits, at full resolution, one level off where colours turn to luma and back."""
-    file = io.BytesIO()
-    Image.fromarray(pixels).save(file, "AVIF", quality=100, speed=10, **{"subsampling": "4:4:4"} | settings)
-    return file.getvalue()
+    return by_pillow(pixels, "AVIF", quality=100, speed=10, **{"subsampling": "4:4:4"} | settings)
 
 
 def exact(pixels: np.ndarray, bits: int) -> bytes:
@@ -95,10 +93,9 @@ def test_the_crop_comes_before_the_turn(orientation: int) -> None:
 def test_metadata_are_kept() -> None:
     tags = Image.Exif()
     tags[271] = "Maker"
-    profile = ImageCms.ImageCmsProfile(ImageCms.createProfile("sRGB")).tobytes()
-    metadata = read(saved(SLOPE, exif=tags.tobytes(), xmp=XMP, icc_profile=profile)).metadata
+    metadata = read(saved(SLOPE, exif=tags.tobytes(), xmp=XMP, icc_profile=SRGB)).metadata
     assert metadata.xmp == XMP.replace(b"'6'", b"'1'")
-    assert metadata.icc == profile
+    assert metadata.icc == SRGB
     assert metadata.exif == exif.upright(tags.tobytes())
 
 

@@ -5,10 +5,9 @@ import struct
 from pathlib import Path
 
 import numpy as np
-import OpenImageIO as oiio
 import pytest
 import tifffile
-from image_files import save
+from image_files import by_tifffile, notes_of, save
 
 from sgicodec import open_source, read
 from sgicodec.errors import PictureError
@@ -88,29 +87,22 @@ def test_fits_in_other_scales(dtype: str, zero: float, scale: float) -> None:
 def test_that_few_bits_are_stretched_is_said(tmp_path: Path, name: str, bits: int, notes: tuple[str, ...]) -> None:
     """But of formats whose samples are levels of a screen."""
     pixels = np.zeros((4, 4, 1), np.uint8 if bits <= 8 else np.uint16)
-    with open_source(save(tmp_path / name, pixels, oiio__BitsPerSample=bits)) as source:
-        assert source.notes == notes
+    assert notes_of(save(tmp_path / name, pixels, oiio__BitsPerSample=bits)) == notes
 
 
 @pytest.mark.parametrize(
     ("dtype", "said"),
     [("bool", "of its 1 bit become 8 bits, 255 − v · 255"), ("uint8", "become 255 − v"), ("u2", "become 65535 − v")],
 )
-def test_that_white_is_turned_over_is_said(tmp_path: Path, dtype: str, said: str) -> None:
-    tifffile.imwrite(tmp_path / "x.tif", np.zeros((4, 4), dtype), photometric="miniswhite", metadata=None)
-    with open_source(tmp_path / "x.tif") as source:
-        assert source.notes == (f"samples v {said}",)
+def test_that_white_is_turned_over_is_said(dtype: str, said: str) -> None:
+    data = by_tifffile(np.zeros((4, 4), dtype), photometric="miniswhite", metadata=None)
+    assert notes_of(data) == (f"samples v {said}",)
 
 
 def test_luminance_and_differences_are_refused(tmp_path: Path) -> None:
-    spec = oiio.ImageSpec(8, 4, 3, "float")
-    spec.channelnames = ("Y", "RY", "BY")
-    image = oiio.ImageOutput.create(str(tmp_path / "x.exr"))
-    assert image.open(str(tmp_path / "x.exr"), spec)
-    assert image.write_image(np.zeros((4, 8, 3), np.float32))
-    assert image.close()
+    path = save(tmp_path / "x.exr", np.zeros((4, 8, 3), np.float32), channels=("Y", "RY", "BY"))
     with pytest.raises(PictureError, match="save it as RGB"):
-        read(tmp_path / "x.exr")
+        read(path)
 
 
 def test_few_bits_fill_the_type() -> None:

@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 import pillow_heif
 import pytest
-from PIL import Image, ImageCms
+from image_files import SRGB
+from PIL import Image
 
 from sgicodec import open_source, read
 from sgicodec.errors import PictureError
@@ -72,12 +73,11 @@ def test_turns_and_metadata() -> None:
     """The file says how to turn it, and so does its EXIF: it is turned once."""
     tags = Image.Exif()
     tags[274], tags[271] = 6, "Maker"
-    profile = ImageCms.ImageCmsProfile(ImageCms.createProfile("sRGB")).tobytes()
-    data = saved(Image.fromarray(PIXELS), exif=tags.tobytes(), xmp=XMP, icc_profile=profile)
+    data = saved(Image.fromarray(PIXELS), exif=tags.tobytes(), xmp=XMP, icc_profile=SRGB)
     picture = read(data)
     np.testing.assert_array_equal(picture.pixels, np.rot90(PIXELS, -1))
     assert picture.metadata.xmp == XMP.replace(b"'6'", b"'1'")
-    assert picture.metadata.icc == profile
+    assert picture.metadata.icc == SRGB
     assert picture.metadata.exif == exif.upright(tags.tobytes())
     kept = Image.Exif()
     kept.load(picture.metadata.exif)

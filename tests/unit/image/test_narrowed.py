@@ -2,13 +2,9 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pytest
-import tifffile
-
-from sgicodec import open_source
+from image_files import by_tifffile, notes_of
 
 
 @pytest.mark.parametrize(
@@ -24,7 +20,6 @@ from sgicodec import open_source
         ("float64", "samples of float64 become 32-bit floats, rounded to 24 bits"),
     ],
 )
-def test_that_types_change_is_said(dtype: str, note: str | None, tmp_path: Path) -> None:
-    tifffile.imwrite(tmp_path / "a.tif", np.arange(120).reshape(10, 12).astype(dtype))
-    with open_source(tmp_path / "a.tif") as source:
-        assert list(source.notes) == ([note] if note else [])
+def test_that_types_change_is_said(dtype: str, note: str | None) -> None:
+    data = by_tifffile(np.arange(120).reshape(10, 12).astype(dtype))
+    assert notes_of(data) == ((note,) if note else ())

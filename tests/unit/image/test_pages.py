@@ -11,13 +11,13 @@ import numpy as np
 import OpenImageIO as oiio
 import pytest
 import tifffile
-from PIL import Image, ImageCms
+from image_files import SRGB, by_pillow, by_tifffile
+from PIL import Image
 
 from sgicodec import open_source, read
 from sgicodec.errors import PictureError, UsageError
 from sgicodec.metadata.pages import tiff_pages
 
-SRGB = ImageCms.ImageCmsProfile(ImageCms.createProfile("sRGB")).tobytes()
 STACK = np.random.default_rng(2).integers(0, 256, (3, 24, 32), np.uint8)
 COLOURS = np.random.default_rng(3).integers(0, 256, (3, 24, 32, 3), np.uint8)
 
@@ -31,16 +31,12 @@ def tiff(pages: list[np.ndarray], **options: Any) -> bytes:
 
 
 def stack(**options: Any) -> bytes:
-    file = io.BytesIO()
-    tifffile.imwrite(file, STACK, photometric="minisblack", **options)
-    return file.getvalue()
+    return by_tifffile(STACK, photometric="minisblack", **options)
 
 
 def animation(name: str, **options: Any) -> bytes:
-    file = io.BytesIO()
     first, *others = [Image.fromarray(frame) for frame in COLOURS]
-    first.save(file, name, save_all=True, append_images=others, **options)
-    return file.getvalue()
+    return by_pillow(first, name, save_all=True, append_images=others, **options)
 
 
 @pytest.mark.parametrize(
@@ -84,10 +80,9 @@ def test_frames_that_hold_changes_alone(options: dict[str, Any]) -> None:
     frames = [Image.new("RGBA", (32, 24), ground) for _ in range(3)]
     for number, frame in enumerate(frames):
         frame.paste((255, 0, 20, 255), (4 + 3 * number, 5, 14 + 3 * number, 15))
-    file = io.BytesIO()
-    frames[0].save(file, save_all=True, append_images=frames[1:], icc_profile=SRGB, **options)
+    data = by_pillow(frames[0], save_all=True, append_images=frames[1:], icc_profile=SRGB, **options)
     for number, frame in enumerate(frames, 1):
-        picture = read(file.getvalue(), page=number)
+        picture = read(data, page=number)
         expected = np.asarray(frame)
         np.testing.assert_array_equal(picture.pixels[..., 3], expected[..., 3])
         np.testing.assert_array_equal(picture.pixels[expected[..., 3] > 0], expected[expected[..., 3] > 0])

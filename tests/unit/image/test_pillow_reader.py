@@ -2,24 +2,18 @@
 
 from __future__ import annotations
 
-import io
 import struct
 from pathlib import Path
 
 import numpy as np
 import pytest
+from image_files import by_pillow
 from PIL import Image
 
 from sgicodec import read
 from sgicodec.errors import PictureError
 
 PIXELS = np.random.default_rng(3).integers(0, 256, (33, 20, 3), np.uint8)
-
-
-def saved(name: str, image: Image.Image) -> bytes:
-    file = io.BytesIO()
-    image.save(file, name)
-    return file.getvalue()
 
 
 def rle8() -> bytes:
@@ -33,7 +27,7 @@ def rle8() -> bytes:
 
 @pytest.mark.parametrize("name", ["QOI", "PCX"])
 def test_colours(name: str) -> None:
-    picture = read(saved(name, Image.fromarray(PIXELS)))
+    picture = read(by_pillow(PIXELS, name))
     assert picture.channels == "rgb"
     np.testing.assert_array_equal(picture.pixels, PIXELS)
 
@@ -44,14 +38,13 @@ def test_run_lengths_of_bmp() -> None:
 
 
 def test_of_icons_the_largest_is_read() -> None:
-    file = io.BytesIO()
-    Image.fromarray(PIXELS[:32, :20]).save(file, "ICO", sizes=[(8, 8), (16, 16), (20, 32)], bitmap_format="bmp")
-    np.testing.assert_array_equal(read(file.getvalue()).pixels[..., :3], PIXELS[:32, :20])
+    data = by_pillow(PIXELS[:32, :20], "ICO", sizes=[(8, 8), (16, 16), (20, 32)], bitmap_format="bmp")
+    np.testing.assert_array_equal(read(data).pixels[..., :3], PIXELS[:32, :20])
 
 
 def test_inks_of_jpeg_2000() -> None:
     inks = np.dstack([PIXELS, PIXELS[..., 0] // 2]).repeat(2, axis=1)
-    picture = read(saved("JPEG2000", Image.fromarray(inks, "CMYK")))
+    picture = read(by_pillow(Image.fromarray(inks, "CMYK"), "JPEG2000"))
     left = 1 - inks / 255
     assert picture.channels == "rgb"
     np.testing.assert_allclose(picture.pixels, 255 * left[..., :3] * left[..., 3:], atol=1.01)
@@ -59,7 +52,7 @@ def test_inks_of_jpeg_2000() -> None:
 
 def test_gray_and_alpha_of_jpeg_2000() -> None:
     pixels = PIXELS[..., :2].repeat(2, axis=1)
-    picture = read(saved("JPEG2000", Image.fromarray(pixels, "LA")))
+    picture = read(by_pillow(pixels, "JPEG2000"))
     assert picture.channels == "gray+alpha"
     np.testing.assert_array_equal(picture.pixels, pixels)
 
@@ -67,6 +60,6 @@ def test_gray_and_alpha_of_jpeg_2000() -> None:
 @pytest.mark.parametrize("name", ["QOI", "PCX"])
 def test_cut_files_are_refused(tmp_path: Path, name: str) -> None:
     path = tmp_path / f"x.{name}"
-    path.write_bytes(saved(name, Image.fromarray(PIXELS))[:400])
+    path.write_bytes(by_pillow(PIXELS, name)[:400])
     with pytest.raises(PictureError, match=r"x\.\w+: the file is damaged or cut off"):
         read(path)

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import io
 import struct
 import zlib
 from pathlib import Path
 
 import numpy as np
 import pytest
-from image_files import noise
+from image_files import noise, packed
 from scenes import ISAS
 
-from sgicodec import write
 from sgicodec._native import png_filter
 from sgicodec.image import png_output
 from sgicodec.image.sink import open_sink
@@ -63,9 +61,7 @@ def smooth(height: int, width: int, count: int) -> np.ndarray:
 
 
 def written(pixels: np.ndarray, layout: str, **options: int) -> bytes:
-    file = io.BytesIO()
-    write(Picture(pixels, layout, full_range(pixels.dtype)), file, format="png", **options)
-    return file.getvalue()
+    return packed(Picture(pixels, layout, full_range(pixels.dtype)), "png", **options)
 
 
 @pytest.mark.parametrize("layout", LAYOUTS)

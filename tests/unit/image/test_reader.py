@@ -9,7 +9,8 @@ import numpy as np
 import OpenImageIO as oiio
 import pytest
 from data_files import PICTURES
-from image_files import noise
+from image_files import by_pillow, noise
+from PIL import Image
 
 from sgicodec import read, write
 from sgicodec.errors import PictureError
@@ -83,8 +84,7 @@ def test_odd_pictures(name: str) -> None:
     ],
 )
 def test_pixels_are_what_another_reader_sees(name: str, mode: str) -> None:
-    image = pytest.importorskip("PIL.Image")
-    with image.open(PICTURES / name) as other:
+    with Image.open(PICTURES / name) as other:
         expected = np.asarray(other.convert(mode))
     np.testing.assert_array_equal(read(PICTURES / name).pixels, expected.reshape(*expected.shape[:2], -1))
 
@@ -152,12 +152,10 @@ NAMES = (
 
 @pytest.mark.parametrize("kind", ["JPEG", "PNG", "GIF", "BMP", "TGA", "QOI", "PCX", "AVIF"])
 def test_content_counts_and_not_the_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, kind: str) -> None:
-    image = pytest.importorskip("PIL.Image")
-    file = io.BytesIO()
-    image.new("RGB", (12, 7), (200, 100, 50)).save(file, kind)
+    data = by_pillow(Image.new("RGB", (12, 7), (200, 100, 50)), kind)
     monkeypatch.chdir(tmp_path)
     for name in NAMES:
-        Path(name).write_bytes(file.getvalue())
+        Path(name).write_bytes(data)
         picture = read(name)
         assert (picture.width, picture.height) == (12, 7), name
         np.testing.assert_allclose(picture.pixels[3, 5, :3], [200, 100, 50], atol=3, err_msg=name)

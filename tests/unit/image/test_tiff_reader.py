@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import rasterio
 import tifffile
+from image_files import notes_of
 from rasterio.windows import Window
 
 from sgicodec import open_source, read
@@ -98,11 +99,9 @@ def test_samples_are_what_openimageio_makes_of_them(tmp_path: Path) -> None:
 @pytest.mark.parametrize("compression", ["DEFLATE", "ZSTD"])
 def test_that_12_bits_are_stretched_is_said(tmp_path: Path, compression: str) -> None:
     pixels = samples(1, "uint16", 4095)
-    with open_source(save(tmp_path / "x.tif", pixels, nbits=12, compress=compression)) as source:
-        assert source.notes == ("samples v of its 12 bits become 16 bits, v · 65535 / 4095 rounded down",)
-        np.testing.assert_array_equal(
-            source.read(0, 0, WIDTH, HEIGHT).pixels[..., 0], pixels[0].astype(int) * 65535 // 4095
-        )
+    path = save(tmp_path / "x.tif", pixels, nbits=12, compress=compression)
+    assert notes_of(path) == ("samples v of its 12 bits become 16 bits, v · 65535 / 4095 rounded down",)
+    check(path, pixels[0, ..., None].astype(int) * 65535 // 4095)
 
 
 def test_inks_that_gdal_has_mixed_are_refused(tmp_path: Path) -> None:

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import OpenImageIO as oiio
 import pytest
-from image_files import noise
+from image_files import noise, packed
 
 from sgicodec import read, write
 from sgicodec.errors import PictureError, UsageError
@@ -35,9 +35,7 @@ def test_lossless_formats_are_exact(format: str, dtype: str, layout: str) -> Non
     picture = _picture(dtype, layout)
     if format == "webp":
         picture.pixels[..., 3:] |= 1  # WebP forgets colours under no alpha
-    file = io.BytesIO()
-    write(picture, file, format=format)
-    back = read(file.getvalue())
+    back = read(packed(picture, format))
     assert (back.channels, back.pixels.dtype) == (layout, picture.pixels.dtype)
     np.testing.assert_array_equal(back.pixels, picture.pixels)
 
@@ -66,9 +64,7 @@ def test_equal_pictures_make_equal_bytes(format: str, monkeypatch: pytest.Monkey
     for zone in ("UTC", "Asia/Tokyo"):  # so that an hour of writing would show
         monkeypatch.setenv("TZ", zone)
         time.tzset()
-        file = io.BytesIO()
-        write(picture, file, format=format)
-        files.append(file.getvalue())
+        files.append(packed(picture, format))
     monkeypatch.undo()
     time.tzset()
     assert files[0] == files[1]
@@ -88,17 +84,15 @@ def test_equal_pictures_make_equal_bytes(format: str, monkeypatch: pytest.Monkey
 )
 def test_nothing_is_dropped_silently(format: str, dtype: str, layout: str, message: str) -> None:
     with pytest.raises(PictureError, match=message):
-        write(_picture(dtype, layout), io.BytesIO(), format=format)
+        packed(_picture(dtype, layout), format)
 
 
 def test_bands_go_to_tiff_and_exr_only() -> None:
     bands = Picture(noise(8, 9, 12, "float32"), "multi", (0.0, 1.0))
     with pytest.raises(PictureError, match="png cannot hold 12 bands"):
-        write(bands, io.BytesIO(), format="png")
+        packed(bands, "png")
     for format in ("tiff", "exr"):
-        file = io.BytesIO()
-        write(bands, file, format=format)
-        np.testing.assert_array_equal(read(file.getvalue()).pixels, bands.pixels)
+        np.testing.assert_array_equal(read(packed(bands, format)).pixels, bands.pixels)
 
 
 def test_a_depth_that_is_asked_for(tmp_path: Path) -> None:

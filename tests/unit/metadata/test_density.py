@@ -1,34 +1,30 @@
 from __future__ import annotations
 
-import io
 import struct
 from typing import Any
 
 import numpy as np
 import pytest
+from image_files import by_pillow, packed
 from tags import exif_of, geo_of, rational, shorts
 
-from sgicodec import read, write
+from sgicodec import read
 from sgicodec.metadata import density
 from sgicodec.metadata.density import Density
 from sgicodec.metadata.georeference import resolution
 from sgicodec.metadata.png import chunk
 
-image = pytest.importorskip("PIL.Image")
 PIXELS = np.full((9, 17, 3), 100, np.uint8)
 
 
 def _jpeg(unit: int, across: int, down: int, **options: Any) -> bytes:
-    file = io.BytesIO()
-    image.fromarray(PIXELS).save(file, "JPEG", **options)
-    data = file.getvalue()
+    data = by_pillow(PIXELS, "JPEG", **options)
     return data[:13] + struct.pack(">BHH", unit, across, down) + data[18:]
 
 
 def _png(unit: int, across: int, down: int) -> bytes:
-    file = io.BytesIO()
-    image.fromarray(PIXELS).save(file, "PNG")
-    return file.getvalue()[:33] + chunk(b"pHYs", struct.pack(">IIB", across, down, unit)) + file.getvalue()[33:]
+    data = by_pillow(PIXELS, "PNG")
+    return data[:33] + chunk(b"pHYs", struct.pack(">IIB", across, down, unit)) + data[33:]
 
 
 @pytest.mark.parametrize(
@@ -50,9 +46,7 @@ def test_what_a_file_states_is_kept(data: bytes, expected: Density | None) -> No
     assert density.density(picture.metadata.geo, None) == expected
     assert (picture.metadata.geo is None) == (expected is None)
     for format, tolerance in (("jpeg", 0.004), ("png", 0.0002), ("tiff", 0.0)):
-        file = io.BytesIO()
-        write(picture, file, format=format)
-        back = read(file.getvalue()).metadata
+        back = read(packed(picture, format)).metadata
         found = density.density(back.geo, back.exif)
         if expected is None:
             assert found is None

@@ -7,9 +7,10 @@ import zlib
 import numpy as np
 import pytest
 from data_files import PICTURES
+from image_files import packed
 from tags import exif_blob
 
-from sgicodec import read, write
+from sgicodec import read
 from sgicodec.errors import PictureError
 from sgicodec.metadata import embedded, ifd, orientation
 from sgicodec.metadata import jpeg as jpeg_file
@@ -21,12 +22,6 @@ HOLDERS = ["jpeg", "png", "tiff", "webp"]
 XMP = b'<x:xmpmeta xmlns:x="adobe:ns:meta/"><odd:Thing xmlns:odd="urn:x">\xc3\xa4</odd:Thing></x:xmpmeta>'
 
 
-def _through(picture: Picture, format: str) -> bytes:
-    file = io.BytesIO()
-    write(picture, file, format=format)
-    return file.getvalue()
-
-
 def _flat(metadata: Metadata, count: int = 3) -> Picture:
     pixels = np.full((9, 17, count), 100, np.uint8)
     return Picture(pixels, {3: "rgb", 4: "rgba"}[count], (0.0, 255.0), metadata)
@@ -36,7 +31,7 @@ def _flat(metadata: Metadata, count: int = 3) -> Picture:
 def test_all_metadata_comes_back(format: str) -> None:
     icc = read(PICTURES / "icc_profile.png").metadata.icc
     written = Metadata(icc, exif_blob(orientation=1), XMP)
-    back = read(_through(_flat(written), format)).metadata
+    back = read(packed(_flat(written), format)).metadata
     assert (back.icc, back.xmp) == (icc, XMP)
     assert back.exif is not None
     assert written.exif is not None
@@ -52,7 +47,7 @@ def test_all_metadata_comes_back(format: str) -> None:
 @pytest.mark.parametrize("name", ["exif_gps.jpg", "pil_sample_cmyk.jpg"])
 def test_camera_exif_survives(format: str, name: str) -> None:
     source = read(PICTURES / name)
-    back = read(_through(source, format))
+    back = read(packed(source, format))
     assert back.metadata.xmp == source.metadata.xmp
     assert source.metadata.exif is not None
     assert back.metadata.exif is not None
@@ -82,7 +77,7 @@ def test_an_orientation_is_applied_once(place: str, turn: int) -> None:
     picture = Picture(ramp, "rgb", (0.0, 255.0))
     format, _, how = place.replace("raw profile", "png raw").partition(" ")
     turned = (b"Exif\0\0" if "prefix" in how else b"") + exif_blob(orientation=turn)
-    plain = _through(picture, format)
+    plain = packed(picture, format)
     if format == "png":
         digits = (b"Exif\0\0" + turned).hex().encode()
         text = b"Raw profile type exif\0\nexif\n      %d\n%s\n" % (len(turned) + 6, digits)
@@ -103,24 +98,24 @@ def test_an_orientation_is_applied_once(place: str, turn: int) -> None:
     for format in HOLDERS:
         if format == "jpeg":
             continue
-        twice = read(_through(once, format))
+        twice = read(packed(once, format))
         np.testing.assert_array_equal(twice.pixels, once.pixels)
 
 
 def test_compressed_png_text_and_its_limits() -> None:
-    packed = png_file.chunk(b"iTXt", b"XML:com.adobe.xmp\0\1\0\0\0" + zlib.compress(XMP))
-    plain = _through(_flat(Metadata()), "png")
-    assert png_file.find(plain[:33] + packed + plain[33:]) == (None, XMP, None)
+    text = png_file.chunk(b"iTXt", b"XML:com.adobe.xmp\0\1\0\0\0" + zlib.compress(XMP))
+    plain = packed(_flat(Metadata()), "png")
+    assert png_file.find(plain[:33] + text + plain[33:]) == (None, XMP, None)
     broken = png_file.chunk(b"zTXt", b"Raw profile type exif\0\0garbage")
     assert png_file.find(plain[:33] + broken + plain[33:]) == (None, None, None)
 
 
 def test_more_than_a_jpeg_segment_holds() -> None:
     most = exif_blob(1) + bytes(65527 - len(exif_blob(1)))
-    assert read(_through(_flat(Metadata(exif=most)), "jpeg")).metadata.exif == most
+    assert read(packed(_flat(Metadata(exif=most)), "jpeg")).metadata.exif == most
     with pytest.raises(PictureError, match="jpeg cannot hold 65528 bytes of EXIF, only 65527"):
-        _through(_flat(Metadata(exif=most + b"\0")), "jpeg")
-    assert read(_through(_flat(Metadata(exif=most + b"\0")), "png")).metadata.exif == most + b"\0"
+        packed(_flat(Metadata(exif=most + b"\0")), "jpeg")
+    assert read(packed(_flat(Metadata(exif=most + b"\0")), "png")).metadata.exif == most + b"\0"
 
 
 def _by_pillow(data: bytes) -> tuple[bytes | None, bytes | None]:
@@ -133,8 +128,8 @@ def test_pillow_finds_the_same_bytes() -> None:
     """Those before the pixels, in whatever the repository has of these formats and in what is written."""
     files = [path.read_bytes() for path in sorted(PICTURES.glob("*.[jp][pn]g")) if not path.name.startswith("x")]
     files += [path.read_bytes() for path in sorted(PICTURES.glob("x*.jpg"))]
-    files += [_through(_flat(Metadata(exif=exif_blob(1), xmp=XMP)), format) for format in ("jpeg", "png", "webp")]
-    plain = _through(_flat(Metadata()), "jpeg")
+    files += [packed(_flat(Metadata(exif=exif_blob(1), xmp=XMP)), format) for format in ("jpeg", "png", "webp")]
+    plain = packed(_flat(Metadata()), "jpeg")
     segment = b"\xff\xff\xff\xe1" + struct.pack(">H", 8 + len(exif_blob(6))) + b"Exif\0\0" + exif_blob(6)
     files.append(plain[:2] + segment + plain[2:])
     assert len(files) > 15

@@ -1,7 +1,6 @@
 from __future__ import annotations
 
 import hashlib
-import io
 import struct
 import xml.etree.ElementTree as ET
 from collections import Counter
@@ -10,8 +9,9 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from image_files import packed
 
-from sgicodec import read, write
+from sgicodec import read
 from sgicodec.errors import PictureError
 from sgicodec.metadata import extended_xmp
 from sgicodec.picture import Metadata, Picture
@@ -39,9 +39,7 @@ def properties(text: bytes) -> Counter[str]:
 
 
 def jpeg_of(xmp: bytes) -> bytes:
-    file = io.BytesIO()
-    write(Picture(np.full((9, 17, 3), 9, np.uint8), "rgb", (0.0, 255.0), Metadata(xmp=xmp)), file, format="jpeg")
-    return file.getvalue()
+    return packed(Picture(np.full((9, 17, 3), 9, np.uint8), "rgb", (0.0, 255.0), Metadata(xmp=xmp)), "jpeg")
 
 
 def test_a_long_packet_loses_its_padding_or_is_refused() -> None:

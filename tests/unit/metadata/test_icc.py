@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import io
 import struct
 import zlib
 
 import numpy as np
 import pytest
+from image_files import SRGB, by_pillow, notes_of
 from PIL import Image, ImageCms
 
 from sgicodec import open_source
@@ -15,23 +15,14 @@ from sgicodec.image.conversion import as_picture
 from sgicodec.metadata.icc import fitting
 from sgicodec.metadata.png import chunk
 
-SRGB = ImageCms.ImageCmsProfile(ImageCms.createProfile("sRGB")).tobytes()
 LAB = ImageCms.ImageCmsProfile(ImageCms.createProfile("LAB")).tobytes()
 PIXELS = np.arange(36, dtype=np.uint8).reshape(3, 4, 3)
 OTHER, DAMAGED = "ICC profile (of another colour space)", "ICC profile (damaged)"
 
 
-def saved(kind: str, profile: bytes, pixels: np.ndarray = PIXELS) -> bytes:
-    file = io.BytesIO()
-    Image.fromarray(pixels).save(file, kind, icc_profile=profile)
-    return file.getvalue()
-
-
 def bmp(profile: bytes) -> bytes:
     """One of version 5."""
-    file = io.BytesIO()
-    Image.fromarray(PIXELS).save(file, "BMP")
-    plain = file.getvalue()
+    plain = by_pillow(PIXELS, "BMP")
     masks = (
         plain[18:38]
         + bytes(8)
@@ -52,15 +43,14 @@ def bmp(profile: bytes) -> bytes:
     ids=["whole", "cut", "none", "lab"],
 )
 def test_a_profile_that_does_not_fit_is_named(kind: str, profile: bytes, said: tuple[str, ...]) -> None:
-    with open_source(bmp(profile) if kind == "BMP" else saved(kind, profile)) as source:
+    with open_source(bmp(profile) if kind == "BMP" else by_pillow(PIXELS, kind, icc_profile=profile)) as source:
         assert source.notes == tuple(f"not kept: {text}" for text in said)
         assert source.metadata.icc == (None if said else profile)
 
 
 def test_a_profile_of_colours_beside_gray() -> None:
     for kind in ("JPEG", "PNG"):
-        with open_source(saved(kind, SRGB, PIXELS[..., 0])) as source:
-            assert source.notes == (f"not kept: {OTHER}",)
+        assert notes_of(by_pillow(PIXELS[..., 0], kind, icc_profile=SRGB)) == (f"not kept: {OTHER}",)
     image = Image.fromarray(PIXELS[..., 0])
     image.info["icc_profile"] = SRGB
     assert as_picture(image).remark == f"not kept: {OTHER}"
@@ -68,7 +58,6 @@ def test_a_profile_of_colours_beside_gray() -> None:
 
 
 def test_a_chunk_that_cannot_be_unpacked() -> None:
-    plain = saved("PNG", b"")
+    plain = by_pillow(PIXELS, "PNG")
     for packed in (b"x", zlib.compress(SRGB)[:50]):
-        with open_source(plain[:33] + chunk(b"iCCP", b"a\0\0" + packed) + plain[33:]) as source:
-            assert source.notes == (f"not kept: {DAMAGED}",)
+        assert notes_of(plain[:33] + chunk(b"iCCP", b"a\0\0" + packed) + plain[33:]) == (f"not kept: {DAMAGED}",)

@@ -1,27 +1,20 @@
 from __future__ import annotations
 
-import io
 import struct
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from image_files import by_pillow
 from tags import exif_blob
 
 from sgicodec import read
 from sgicodec.metadata import jpeg
 
-image = pytest.importorskip("PIL.Image")
+PLAIN = by_pillow(np.arange(24 * 32, dtype=np.uint8).reshape(24, 32), "JPEG")
 XMP = b"http://ns.adobe.com/xap/1.0/\0"
 PACKET = b"<x:xmpmeta xmlns:x='adobe:ns:meta/'/>"
-
-
-def plain() -> bytes:
-    file = io.BytesIO()
-    pixels = np.arange(24 * 32, dtype=np.uint8).reshape(24, 32)
-    image.fromarray(pixels).save(file, "JPEG")
-    return file.getvalue()
 
 
 def segment(payload: bytes, marker: int = 0xE1) -> bytes:
@@ -44,8 +37,8 @@ def segment(payload: bytes, marker: int = 0xE1) -> bytes:
 )
 @pytest.mark.parametrize("at", [2, 20])
 def test_what_may_stand_before_a_segment(before: bytes, at: int) -> None:
-    data, blob = plain(), exif_blob(orientation=6)
-    whole = data[:at] + before + segment(b"Exif\0\0" + blob) + b"\xff" + segment(XMP + PACKET) + data[at:]
+    blob = exif_blob(orientation=6)
+    whole = PLAIN[:at] + before + segment(b"Exif\0\0" + blob) + b"\xff" + segment(XMP + PACKET) + PLAIN[at:]
     assert jpeg.find(whole) == (blob, PACKET, None)
     if b"\0" not in before[:1]:
         picture = read(whole)

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 import tifffile
+from image_files import by_pillow
 from PIL import Image, PngImagePlugin
 
 from sgicodec.metadata.filebytes import FileBytes
@@ -20,9 +21,7 @@ PIXELS = np.arange(48, dtype=np.uint8).reshape(4, 4, 3)
 
 
 def saved(kind: str, mode: str = "RGB", **options: Any) -> bytes:
-    out = io.BytesIO()
-    Image.fromarray(PIXELS).convert(mode).save(out, kind, **options)
-    return out.getvalue()
+    return by_pillow(Image.fromarray(PIXELS).convert(mode), kind, **options)
 
 
 def png(*chunks: bytes) -> bytes:

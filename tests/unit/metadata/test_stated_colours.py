@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import io
 import struct
 from pathlib import Path
 
 import numpy as np
 import pytest
-import tifffile
-from PIL import Image
+from image_files import by_pillow, by_tifffile, notes_of
 
 from sgicodec import open_source
 from sgicodec.errors import PictureError
@@ -21,16 +19,13 @@ POWER, LINEAR = (tuple(round(65535 * (at / 255) ** power) for at in range(256)) 
 
 
 def tiff(*tags: tuple[int, int, int, tuple[int, ...], bool]) -> bytes:
-    out = io.BytesIO()
-    tifffile.imwrite(out, PIXELS, photometric="rgb", metadata=None, extratags=tags)
-    return out.getvalue()
+    return by_tifffile(PIXELS, photometric="rgb", metadata=None, extratags=tags)
 
 
 def bmp(version: int, kind: bytes, gamma: int = 0) -> bytes:
-    out = io.BytesIO()
-    Image.fromarray(PIXELS).save(out, "BMP")
-    head = struct.pack("<I", version) + out.getvalue()[18:54] + bytes(16) + kind
-    return out.getvalue()[:14] + head.ljust(version - 4, b"\0") + struct.pack("<I", gamma) + out.getvalue()[54:]
+    plain = by_pillow(PIXELS, "BMP")
+    head = struct.pack("<I", version) + plain[18:54] + bytes(16) + kind
+    return plain[:14] + head.ljust(version - 4, b"\0") + struct.pack("<I", gamma) + plain[54:]
 
 
 def hdr(*lines: str) -> bytes:
@@ -66,7 +61,6 @@ def test_other_colours_are_named(data: bytes, names: list[str]) -> None:
 def test_radiance_in_xyz_is_refused(tmp_path: Path) -> None:
     for kind in ("rgbe", "xyze"):
         (tmp_path / f"{kind}.hdr").write_bytes(hdr(f"FORMAT=32-bit_rle_{kind}"))
-    with open_source(tmp_path / "rgbe.hdr") as source:
-        assert source.notes == ()
+    assert notes_of(tmp_path / "rgbe.hdr") == ()
     with pytest.raises(PictureError, match="its colours are XYZ"):
         open_source(tmp_path / "xyze.hdr")

@@ -9,7 +9,7 @@ import pytest
 import tifffile
 from command import done, refused, sgi, told
 from data_files import GOLDEN
-from PIL import ImageCms
+from image_files import SRGB
 
 import sgicodec
 from sgicodec.decoder import bands
@@ -30,8 +30,7 @@ def stream() -> sgicodec.Stream:
     exif = b"II*\0\x08\0\0\0" + bytes.fromhex("0100 0f01 0200 0600 0000 1a00 0000 0000 0000") + b"Maker\0"
     resolution = bytes.fromhex("0300 1a01 0500 0100 0000 3200 0000 1b01 0500 0100 0000 3a00 0000 2801 0300 0100 0000")
     geo = b"II*\0\x08\0\0\0" + resolution + bytes.fromhex("0300 0000 0000 0000 409c 0000 0100 0000 204e 0000 0100 0000")
-    icc = ImageCms.ImageCmsProfile(ImageCms.createProfile("sRGB")).tobytes()
-    metadata = Metadata(icc=icc, exif=exif, xmp=b"<x:xmpmeta xmlns:x='adobe:ns:meta/'/>", geo=geo)
+    metadata = Metadata(icc=SRGB, exif=exif, xmp=b"<x:xmpmeta xmlns:x='adobe:ns:meta/'/>", geo=geo)
     picture = Picture(pixels, "rgb", (0, 255), metadata)
     data = sgicodec.encode_picture(picture, sgicodec.EncodeSettings(steps=2, tile=256, rdoq=False, overview=False)).data
     return sgicodec.open(data)
