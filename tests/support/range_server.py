@@ -13,7 +13,7 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 @dataclass
 class Served:
     """files: by their paths; parts: path, first byte and number of bytes of each answer to GET; ranges: whether it
-    gives parts; status: that all are answered with, instead; meeting: where answers wait for each other.
+    gives parts; status: that all are answered with, instead.
     """
 
     files: dict[str, bytes]
@@ -23,7 +23,6 @@ class Served:
     heads: int = 0
     gone: bool = False
     status: int = 0
-    meeting: threading.Barrier | None = None
 
     @property
     def bytes(self) -> int:
@@ -64,8 +63,6 @@ def served(files: dict[str, bytes], ranges: bool = True) -> Iterator[Served]:
                 self.send_header("Content-Range", f"bytes {start}-{start + len(part) - 1}/{len(data)}")
             self.end_headers()
             if with_body:
-                if record.meeting:
-                    record.meeting.wait()
                 record.parts.append((self.path, start, len(part)))
                 with contextlib.suppress(ConnectionError):
                     self.wfile.write(part)
