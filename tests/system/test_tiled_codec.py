@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import zlib
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -10,10 +9,9 @@ from typing import Any
 import numpy as np
 import pytest
 from data_files import crop
-from page_varint import decode_varint
+from surgery import flipped, join, split
 
 from sgicodec import Encoded, EncodeSettings, NullListener, Picture, encode_picture, open_source, write
-from sgicodec.bitstream.container import SIGNATURE
 from sgicodec.decoder.stream import open_stream
 from sgicodec.device import Device
 from sgicodec.errors import CorruptStreamError, PictureError
@@ -76,22 +74,14 @@ def test_scaled_views_agree_with_averages(coded: tuple[Picture, Encoded]) -> Non
     assert error[near].mean() < 1.3 * error[~near].mean() + 1e-3
 
 
-def _tile_chunks(data: bytes) -> dict[int, tuple[int, int]]:
-    """Where the payload of each tile's chunk begins and ends."""
-    found, at = {}, len(SIGNATURE)
-    while at < len(data):
-        length, start = decode_varint(data, at + 1)
-        if data[at : at + 1] == b"T":
-            found[decode_varint(data, start)[0]] = start, start + length
-        at = start + length + 4
-    return found
+def of_tile_4(data: bytes) -> tuple[bytes, bytes]:
+    """The payload of its chunk, as it is and with a bit of it changed."""
+    payload = next(payload for letter, payload in split(data) if letter == "T" and payload[0] == 4)
+    return payload, flipped(payload, 4 * len(payload))
 
 
 def test_a_damaged_tile_is_named(coded: tuple[Picture, Encoded]) -> None:
-    data = bytearray(coded[1].data)
-    start, end = _tile_chunks(coded[1].data)[4]
-    data[(start + end) // 2] ^= 1
-    stream = open_stream(bytes(data))
+    stream = open_stream(coded[1].data.replace(*of_tile_4(coded[1].data)))
     stream.picture((0, 0, 40, 40))
     with pytest.raises(CorruptStreamError, match="CRC"):
         stream.picture()
@@ -100,13 +90,10 @@ def test_a_damaged_tile_is_named(coded: tuple[Picture, Encoded]) -> None:
 @pytest.mark.parametrize("threads", [1, 3])
 def test_a_tile_of_other_symbols_is_named(coded: tuple[Picture, Encoded], threads: int) -> None:
     """Its chunk is sound, what it holds is not; whoever decodes it, the caller learns of it."""
-    data = bytearray(coded[1].data)
-    start, end = _tile_chunks(coded[1].data)[4]
-    data[(start + end) // 2] ^= 1
-    head = data.rindex(b"T", 0, start)
-    data[end : end + 4] = zlib.crc32(data[head:end]).to_bytes(4, "little")
+    sound, changed = of_tile_4(coded[1].data)
+    data = join([(letter, changed if payload == sound else payload) for letter, payload in split(coded[1].data)])
     with pytest.raises(CorruptStreamError, match="tile 4: "):
-        open_stream(bytes(data), Device(threads)).picture()
+        open_stream(data, Device(threads)).picture()
 
 
 def test_a_file_that_changes_is_no_picture(tmp_path: Path) -> None:
