@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import io
 from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
 import pytest
+from data_files import DATA
 from numpy.typing import NDArray
 from PIL import Image
 
-DATA = Path(__file__).parents[1] / "data"
 Rgb8 = NDArray[np.uint8]
 F32 = NDArray[np.float32]
 

@@ -9,7 +9,7 @@ import pytest
 from data_files import crop
 from tags import TIED, geo_of, text
 
-from sgicodec import EncodeSettings, NullListener, Picture, encode_picture, open_source, write
+from sgicodec import EncodeSettings, NullListener, Picture, decode, encode_picture, open_source, write
 from sgicodec.decoder.stream import open_stream
 from sgicodec.image.source import NO_OPACITY, open_to_encode
 from sgicodec.picture import Metadata, full_range
@@ -48,8 +48,7 @@ def test_colours_are_kept_where_alpha_hides_them_all(tmp_path: Path, colours: np
         encoded = encode_picture(source, settings, progress=notes, verify=True)
     assert notes.texts == ["alpha is 0 everywhere; it is left out, and the colours are kept"]
     assert encoded.data == encode_picture(Picture(colours, "rgb", (0.0, 255.0)), settings).data
-    with open_stream(encoded.data) as stream:
-        assert np.abs(stream.picture().pixels.astype(int) - colours).mean() < 12
+    assert np.abs(decode(encoded.data).astype(int) - colours).mean() < 12
 
 
 @pytest.mark.parametrize("tile", TILES)
@@ -68,10 +67,8 @@ def test_what_is_opaque_beside_other_alpha_stays_opaque(colours: np.ndarray, til
     """A soft edge between an empty and an opaque side."""
     pixels = with_alpha(colours, 255)
     pixels[..., 3] = np.clip(8 * (np.arange(100) - 40), 0, 255)
-    with open_stream(
-        encode_picture(Picture(pixels, "rgba", (0.0, 255.0)), EncodeSettings(effort=1, tile=tile)).data
-    ) as stream:
-        alpha = stream.picture().pixels[..., 3].astype(int)
+    picture = Picture(pixels, "rgba", (0.0, 255.0))
+    alpha = decode(encode_picture(picture, EncodeSettings(effort=1, tile=tile)).data)[..., 3].astype(int)
     assert not alpha[:, :41].any()
     assert (alpha[:, 74:] == 255).mean() > 0.995
     assert np.abs(alpha[:, 41:72] - pixels[:, 41:72, 3]).mean() < 8
@@ -101,8 +98,7 @@ def test_near_infrared_that_is_declared_as_alpha(tmp_path: Path, colours: np.nda
         notes = Notes()
         with open_source(tmp_path / "x.tif", alpha=alpha) as source:
             data = encode_picture(source, EncodeSettings(quality=70, steps=30), progress=notes).data
-        with open_stream(data) as stream:
-            found = stream.picture()
+        found = open_stream(data).picture()
         errors[alpha] = np.abs(found.pixels.astype(int) - pixels)[25:55, 25:75, :3].mean()
         told = [
             "the last band is declared as alpha",

@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 from data_files import crop
 
-from sgicodec import EncodeSettings, NullListener, Picture, encode_picture
-from sgicodec.decoder.stream import open_stream
+from sgicodec import EncodeSettings, NullListener, Picture, decode, encode_picture
 from sgicodec.fit.trainer import Progress
 from sgicodec.rdoq import rdoq
 
@@ -55,5 +54,4 @@ def test_no_pass_follows_an_end(picture: Picture, passes: list[float], step: int
     assert encoded.steps == (step or 40)
     assert encoded.psnr is not None
     assert encoded.psnr > 20
-    with open_stream(encoded.data) as stream:
-        assert np.abs(stream.picture().pixels.astype(int) - picture.pixels).mean() < 20
+    assert np.abs(decode(encoded.data).astype(int) - picture.pixels).mean() < 20

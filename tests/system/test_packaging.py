@@ -13,10 +13,9 @@ from importlib.metadata import files
 from pathlib import Path
 
 import pytest
+from data_files import GOLDEN, ROOT
 from PIL import Image
 
-TESTS = Path(__file__).parents[1]
-ROOT = TESTS.parent
 SHARE = ROOT / "share"
 OURS = "image/x-sgicodec"
 
@@ -27,7 +26,7 @@ def test_the_thumbnailer_writes_a_png_whatever_its_name(tmp_path: Path) -> None:
     assert entry["Thumbnailer Entry"]["MimeType"] == f"{OURS};"
     out = tmp_path / ".thumbnail.XYZ"  # exists, and has no suffix: GNOME's way
     out.touch()
-    values = {"%i": str(TESTS / "conformance" / "golden" / "float.sgi"), "%o": str(out), "%sx%s": "64x64"}
+    values = {"%i": str(GOLDEN / "float.sgi"), "%o": str(out), "%sx%s": "64x64"}
     program, *options = entry["Thumbnailer Entry"]["Exec"].split()
     assert program == entry["Thumbnailer Entry"]["TryExec"] == "sgi"
     command = [Path(sysconfig.get_path("scripts")) / program, *(values.get(option, option) for option in options)]

@@ -7,11 +7,11 @@ import sys
 from pathlib import Path
 
 import pytest
-from data_files import GOLDEN
+from data_files import GOLDEN, GOLDEN_STREAMS, PICTURES
 
 from sgicodec.decoder.stream import open_stream
 
-PICTURE = Path(__file__).parents[1] / "data" / "pictures" / "hopper_gray.jpg"
+PICTURE = PICTURES / "hopper_gray.jpg"
 
 WITHOUT = """
 import sys
@@ -32,17 +32,16 @@ def run(code: str, missing: tuple[str, ...], *arguments: object) -> subprocess.C
 
 
 def test_every_stream_decodes_with_numpy_alone() -> None:
-    paths = sorted(GOLDEN.glob("*.sgi"))
     code = """
 import sgicodec
 for path in sys.argv[1:]:
     print(f"{sgicodec.open(path).symbol_crc:08x}")
     sgicodec.open(path).picture(size=(9, 7))
 """
-    done = run(code, ALL, *paths)
+    done = run(code, ALL, *GOLDEN_STREAMS)
     assert done.stderr == ""
     expected = []
-    for path in paths:
+    for path in GOLDEN_STREAMS:
         with open_stream(path) as stream:
             expected.append(f"{stream.symbol_crc:08x}")
     assert done.stdout.split() == expected

@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pytest
-from PIL import Image
+from data_files import crop
 
 import sgicodec
-
-PHOTO = Path(__file__).parents[2] / "data" / "kodim23.png"
 
 
 @pytest.fixture(scope="module")
 def pixels() -> np.ndarray:
     """A piece of a photograph [64, 96, 3]."""
-    return np.asarray(Image.open(PHOTO))[200:264, 100:196]
+    return crop("kodim23", np.s_[200:264, 100:196]).pixels
 
 
 @pytest.fixture(scope="module")

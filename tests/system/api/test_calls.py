@@ -10,13 +10,14 @@ from typing import Any
 
 import numpy as np
 import pytest
+from data_files import DATA
 from PIL import Image
 
 import sgicodec
 from sgicodec.decoder.view import MAX_OUTPUT_SAMPLES
 from sgicodec.errors import StreamError
 
-PHOTO = Path(__file__).parents[2] / "data" / "kodim23.png"
+PHOTO = DATA / "kodim23.png"
 
 
 def test_arrays_images_and_paths_make_equal_streams(pixels: np.ndarray, data: bytes, tmp_path: Path) -> None:

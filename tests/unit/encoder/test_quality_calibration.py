@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
+from data_files import DATA
 from numpy.typing import NDArray
 
 from sgicodec import EncodeSettings, Picture, read
@@ -20,12 +20,10 @@ from sgicodec.encoder.quality_calibration import (
 )
 from sgicodec.profiles.default import lmbda_of_quality
 
-PHOTO = Path(__file__).parents[2] / "data" / "kodim13.png"
-
 
 @pytest.fixture(scope="module")
 def photo() -> Picture:
-    return read(PHOTO)
+    return read(DATA / "kodim13.png")
 
 
 def planned(picture: Picture, **settings: object) -> tuple[Plan, Plan]:

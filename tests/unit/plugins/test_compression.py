@@ -32,8 +32,7 @@ def written(tmp_path: Path, compression: str, *arguments: object, source: Path =
 
 @pytest.fixture(scope="module")
 def exact() -> np.ndarray:
-    with sgicodec.open(PHOTO) as stream:
-        return stream.read(scale=4).astype(int)
+    return sgicodec.imread(PHOTO, scale=4).astype(int)
 
 
 TAGS = {
@@ -156,8 +155,8 @@ def with_nodata() -> sgicodec.Stream:
     pixels[x + y < 200] = 7
     pixels[200:220, :, 0] = 7
     metadata = Metadata(geo=geo.pack({geo.GDAL_NODATA: ifd.Entry(2, b"7\0")}))
-    settings = sgicodec.EncodeSettings(steps=2, tile=256, rdoq=False, overview=False)
-    return sgicodec.open(sgicodec.encode_picture(Picture(pixels, "rgb", (0, 255), metadata), settings).data)
+    picture = Picture(pixels, "rgb", (0, 255), metadata)
+    return sgicodec.open(sgicodec.encode(picture, steps=2, tile=256, rdoq=False, overview=False))
 
 
 @pytest.mark.parametrize("compression", [Compression("jpeg", 80), Compression("webp", 80), Compression("lerc", 4)])

@@ -28,8 +28,7 @@ def stream() -> sgicodec.Stream:
     pixels = np.stack([x + y, 3 * x + 2 * y + 1, y + 4000], axis=2).astype(np.uint16)
     tags = resolution_tags(["0.5", "0.25"]) | named_bands(["DAPI", "", "Cy5"])
     picture = Picture(pixels, "multi", ((0, 0, 4000), (1000, 4095, 4500)), Metadata(geo=geo.pack(tags)))
-    settings = sgicodec.EncodeSettings(steps=2, tile=256, rdoq=False, overview=False)
-    return sgicodec.open(sgicodec.encode_picture(picture, settings).data)
+    return sgicodec.open(sgicodec.encode(picture, steps=2, tile=256, rdoq=False, overview=False))
 
 
 def test_levels_and_what_is_said_of_them(

@@ -32,8 +32,7 @@ def stream() -> sgicodec.Stream:
     geo = b"II*\0\x08\0\0\0" + resolution + bytes.fromhex("0300 0000 0000 0000 409c 0000 0100 0000 204e 0000 0100 0000")
     metadata = Metadata(icc=SRGB, exif=exif, xmp=b"<x:xmpmeta xmlns:x='adobe:ns:meta/'/>", geo=geo)
     picture = Picture(pixels, "rgb", (0, 255), metadata)
-    data = sgicodec.encode_picture(picture, sgicodec.EncodeSettings(steps=2, tile=256, rdoq=False, overview=False)).data
-    return sgicodec.open(data)
+    return sgicodec.open(sgicodec.encode(picture, steps=2, tile=256, rdoq=False, overview=False))
 
 
 @pytest.mark.parametrize("name", ["a.ome.tif", "a.OME.TIFF", "a.tif"])
@@ -94,7 +93,7 @@ def test_a_slide_keeps_its_objective_and_the_size_of_its_pixels(tmp_path: Path) 
     exif = b"II*\0\x08\0\0\0" + ifd.dump({270: ifd.Entry(2, description)}, 8)
     picture = Picture(np.zeros((32, 48, 3), np.uint8), "rgb", (0, 255), Metadata(exif=exif))
     source = tmp_path / "a.sgi"
-    source.write_bytes(sgicodec.encode_picture(picture, sgicodec.EncodeSettings(steps=1, rdoq=False)).data)
+    sgicodec.imwrite(source, picture, steps=1, rdoq=False)
     assert "0.25 µm per pixel (Aperio MPP)\n  objective   40×" in sgi("info", source).output
     for out, options in (("a.ome.tif", ()), ("b.ome.tif", ()), ("a.tif", ("--pyramid", "--scale", "1/4"))):
         done("decode", source, tmp_path / out, *options, "--quiet")
@@ -116,9 +115,8 @@ def test_bands_without_a_meaning_are_planes_with_names(compression: str, tmp_pat
     y, x = np.mgrid[:HEIGHT, :WIDTH]
     pixels = np.stack([x % 256, y % 256, (x + y) // 5, (x - y) % 256], axis=2).astype(np.uint8)
     tags = geo.pack(named_bands(["DAPI", "", "Cy5 <far>", "Cy7"]))
-    settings = sgicodec.EncodeSettings(steps=2, tile=256, rdoq=False, overview=False)
-    source = tmp_path / "a.sgi"
-    source.write_bytes(sgicodec.encode_picture(Picture(pixels, "multi", (0, 255), Metadata(geo=tags)), settings).data)
+    picture, source = Picture(pixels, "multi", (0, 255), Metadata(geo=tags)), tmp_path / "a.sgi"
+    sgicodec.imwrite(source, picture, steps=2, tile=256, rdoq=False, overview=False)
     done("decode", source, tmp_path / "a.ome.tif", "--compress", compression, "--quiet")
     most = 0 if compression == "deflate" else 40
     with tifffile.TiffFile(tmp_path / "a.ome.tif") as file, sgicodec.open(source) as stream:

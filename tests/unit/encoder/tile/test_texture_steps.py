@@ -10,14 +10,13 @@ import pytest
 from data_files import crop
 from numpy.typing import NDArray
 
-from sgicodec import EncodeSettings, Picture, encode_picture
-from sgicodec.decoder.stream import open_stream
+from sgicodec import EncodeSettings, Picture, decode, encode_picture
 from sgicodec.encoder.plan import Shape, stream_plan
 from sgicodec.encoder.tile.texture_steps import TUNINGS, Masking, TextureTuning
 from sgicodec.metrics.perceptual import ssimulacra2
 from sgicodec.metrics.psnr import luma
 from sgicodec.model.texture_symbols import CONTRAST_LIMIT, STEP_COUNT, TextureSteps
-from sgicodec.picture import to_rgb8, to_unit
+from sgicodec.picture import to_unit
 
 
 @pytest.fixture(scope="module")
@@ -49,23 +48,23 @@ def test_steps_fit_their_fields(channels: int, step: int) -> None:
 
 
 def test_squared_error_has_equal_steps() -> None:
+    """In all superblocks."""
     assert TUNINGS["psnr"].steps(300, 3).slopes == (0, 0)
+    assert Masking(TUNINGS["psnr"], None).offsets(TextureSteps(300)) is None
 
 
 def test_a_score_is_met(rocks: Picture, monkeypatch: pytest.MonkeyPatch) -> None:
     with monkeypatch.context() as without:
         without.setitem(sys.modules, "ssimulacra2", None)  # the package is the ruler, and not needed
         data = encode_picture(rocks, EncodeSettings(ssimulacra2=55, steps=60)).data
-    with open_stream(data) as stream:
-        assert ssimulacra2(to_rgb8(rocks), to_rgb8(stream.picture())) == pytest.approx(55, abs=1)
+    assert ssimulacra2(rocks.pixels, decode(data)) == pytest.approx(55, abs=1)
 
 
 def test_tuned_for_the_eye_the_score_is_better_at_equal_bytes() -> None:
     picture, scores = crop("kodim13", np.s_[20:276, 100:484]), {}
     for tune in ("psnr", "visual"):
         data = encode_picture(picture, EncodeSettings(bpp=0.8, steps=120, tune=tune)).data  # type: ignore[arg-type]
-        with open_stream(data) as stream:
-            scores[tune] = ssimulacra2(to_rgb8(picture), to_rgb8(stream.picture()))
+        scores[tune] = ssimulacra2(picture.pixels, decode(data))
     assert scores["visual"] > scores["psnr"] + 15
 
 
@@ -101,13 +100,9 @@ def ribs(deviation: float) -> NDArray[np.float32]:
     return np.broadcast_to(plane / 255, (3, 160, 160)).astype(np.float32)
 
 
-def test_squared_error_has_none(unit: NDArray[np.float32]) -> None:
-    assert Masking(TUNINGS["psnr"], None).offsets(TextureSteps(USUAL)) is None
-
-
 def test_contrasts_are_those_of_the_place(unit: NDArray[np.float32]) -> None:
     whole = step_offsets(unit)
-    assert whole.shape == (5, 6)
+    assert whole.shape == step_offsets(unit[:1]).shape == (5, 6)  # gray ones, too
     assert np.abs(whole).max() <= CONTRAST_LIMIT
     assert step_offsets(unit[:, 32:128, 64:160])[1, 1] == whole[2, 3]
 
@@ -135,7 +130,3 @@ def test_ribs_that_stay_anyway_change_nothing(deviation: float, step: int) -> No
 
 def test_ribs_that_would_need_far_finer_steps_are_left_to_go() -> None:
     np.testing.assert_array_equal(step_offsets(ribs(9), COARSE), step_offsets(ribs(9), FINE))
-
-
-def test_gray_pictures_have_contrasts(unit: NDArray[np.float32]) -> None:
-    assert step_offsets(unit[:1]).shape == (5, 6)
