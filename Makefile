@@ -105,8 +105,8 @@ asan: setup-dev
 	PYTHONPATH=tests/support $(BIN)/python tests/support/fuzz_library.py --seconds $(SECONDS)
 
 # The same of the GPU's kernels alone, which need no other build of the extension: a minute.
-KERNELS := tests/unit/cuda/test_gpu.py tests/unit/cuda/test_scan.py tests/unit/raster/test_cuda.py \
-  tests/unit/raster/test_backend.py tests/unit/fit/test_gpu_fit.py tests/unit/fit/test_feature_step.py
+KERNELS := tests/unit/cuda/test_gpu.py tests/unit/raster/test_backend.py \
+  tests/unit/fit/test_gpu_fit.py tests/unit/fit/test_feature_step.py
 asan-kernels: setup-dev
 	LD_PRELOAD="$$(g++ -print-file-name=libasan.so):$$(g++ -print-file-name=libstdc++.so)" CXX=g++ \
 	  ASAN_OPTIONS=detect_leaks=0 UBSAN_OPTIONS=print_stacktrace=1 \

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from absurd import absurd_stream
 from pipe import Pipe
 from surgery import HEADER_FIELDS, flipped, join, split, with_fields
 
@@ -103,3 +104,13 @@ def _expect_picture_or_error(data: bytes) -> None:
         corner = (0, 0, min(stream.width, 32), min(stream.height, 32))
         pixels = stream.picture(corner).pixels
         assert pixels.shape == (corner[3], corner[2], stream.header.spec.channels)
+
+
+@pytest.mark.parametrize("seed", range(60))
+def test_any_numbers_draw_a_picture(seed: int) -> None:
+    """Streams that are sound and mean nonsense draw finite pictures, without a warning and at any scale."""
+    with open_stream(absurd_stream(np.random.default_rng(seed))) as stream:
+        for size in (None, (33, 20), (300, 500)):
+            assert np.isfinite(stream.render(size=size)).all()
+            width, height = size or (stream.width, stream.height)
+            assert stream.picture(size=size).pixels.shape == (height, width, stream.header.spec.channels)

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from data_files import GOLDEN
-from little_memory import read_with_little_memory
+from little_memory import printed, read_with_little_memory
 from surgery import frame, join, split, with_fields, with_hash
 
 from sgicodec.bitstream.container import SIGNATURE
@@ -176,3 +176,29 @@ def test_what_wrote_a_stream_cannot_steer_the_terminal(coded: Any) -> None:
     with open_stream(io.BytesIO(join(parts))) as stream:
         assert stream.software.isprintable()
         assert len(stream.software) <= 200
+
+
+HUNGRY = """
+import resource
+import numpy as np
+from sgicodec.device import Device
+from sgicodec.raster.cpu import NativeRasterizer
+count, memory = 200_000, 1 << 29
+means = np.full((count, 2), 200, np.float32)
+shapes = np.tile(np.float32([1e6, 0, 1e6]), (count, 1))
+colours = np.ones((count, 1), np.float32)
+raster = NativeRasterizer(Device({threads}), most_pairs=1 << 40)
+raster.forward(means[:9], shapes[:9], colours[:9], 1600, 800)
+resource.setrlimit(resource.RLIMIT_AS, (memory, memory))
+try:
+    raster.forward(means, shapes, colours, 1600, 800)
+except MemoryError:
+    print("too little memory")
+print(raster.forward(means[:9], shapes[:9], colours[:9], 1600, 800).max().round())
+"""
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_memory_runs_out(threads: int) -> None:
+    """A picture that it does not suffice for ends in an error, not in an abort, whichever thread runs out."""
+    assert printed(HUNGRY.format(threads=threads)) == "too little memory\n9.0\n"

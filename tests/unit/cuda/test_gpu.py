@@ -1,4 +1,4 @@
-"""Memory and launches, on a driver that checks them (tests/support/fake_cuda.cpp)."""
+"""Memory, launches and exclusive sums, on a driver that checks them (tests/support/fake_cuda.cpp)."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import pytest
 from fake_cuda import fake_driver, fake_gpu
 
 from sgicodec.cuda.driver import CudaError
-from sgicodec.cuda.scan import THREADS
+from sgicodec.cuda.scan import ITEMS, THREADS, Scan
 from sgicodec.cuda.structures import structures
 
 
@@ -48,3 +48,14 @@ def test_what_fails_says_why() -> None:
         gpu.launch("no_such_kernel", 1, 32, given)
     with pytest.raises(CudaError, match="cuLaunchKernel"):
         gpu.launch("scan_totals", 1, THREADS - 1, given)
+
+
+CHUNK = ITEMS * THREADS
+
+
+@pytest.mark.parametrize("count", [0, 1, 7, CHUNK - 1, CHUNK, CHUNK + 1, 5 * CHUNK + 3, (THREADS + 2) * CHUNK])
+def test_each_is_the_sum_of_those_before(count: int) -> None:
+    values = np.random.default_rng(count).integers(0, 9, count + 1).astype(np.int32)
+    held = fake_gpu().put(values)
+    Scan(fake_gpu(), held, count).launch()
+    np.testing.assert_array_equal(held.download(), np.concatenate([[0], np.cumsum(values[:count])]))

@@ -1,3 +1,5 @@
+"""What headers say of samples: their types, bits, scales and channels; what of it is told, and what is refused."""
+
 from __future__ import annotations
 
 import re
@@ -119,3 +121,55 @@ def test_samples_that_are_not_supported(dtype: str, what: str, tmp_path: Path) -
     tifffile.imwrite(tmp_path / "x.tif", np.ones((4, 4), dtype), metadata=None)
     with pytest.raises(PictureError, match=f"its samples are {what} of 64 bits, which are not supported"):
         read(tmp_path / "x.tif")
+
+
+@pytest.mark.parametrize(
+    ("dtype", "note"),
+    [
+        ("uint8", None),
+        ("uint16", None),
+        ("float16", None),
+        ("float32", None),
+        ("int8", "samples of int8 become 32-bit floats"),
+        ("int16", "samples of int16 become 32-bit floats"),
+        ("uint32", "samples of uint32 become 32-bit floats, rounded to 24 bits"),
+        ("float64", "samples of float64 become 32-bit floats, rounded to 24 bits"),
+    ],
+)
+def test_that_types_change_is_said(dtype: str, note: str | None) -> None:
+    data = by_tifffile(np.arange(120).reshape(10, 12).astype(dtype))
+    assert notes_of(data) == ((note,) if note else ())
+
+
+FLOATS = np.random.default_rng(0).random((6, 8, 3), np.float32)
+
+
+@pytest.mark.parametrize(
+    ("name", "how", "said"),
+    [
+        ("a.exr", {}, ()),
+        ("a.exr", {"PixelAspectRatio": 1.0, "Software": "x", "oiio__ColorSpace": "x"}, ()),
+        ("a.exr", {"Artist": "x", "PixelAspectRatio": 2.0}, ("not kept: Artist, PixelAspectRatio",)),
+        (
+            "a.exr",
+            {f"own{i}": "x" for i in range(8)},
+            (f"not kept: {', '.join(f'own{i}' for i in range(6))}, 2 more attributes",),
+        ),
+        ("a.exr", {"at": (3, -2)}, ("not kept: its place at 3, -2 in a window of 8×6 pixels",)),
+        ("a.exr", {"PixelAspectRatio": "square", "chromaticities": 1}, ("not kept: chromaticities",)),
+        ("a.hdr", {}, ()),
+        ("a.dpx", {}, ()),
+        ("a.dpx", {"oiio__ColorSpace": "KodakLog"}, ("not kept: colour space (Logarithmic)",)),
+        ("a.tga", {"ImageDescription": "x"}, ("not kept: ImageDescription",)),
+        ("a.tif", {"Artist": "x"}, ()),
+    ],
+)
+def test_what_a_header_says_is_named(name: str, how: dict[str, object], said: tuple[str, ...], tmp_path: Path) -> None:
+    pixels = (FLOATS * 255).astype(np.uint8) if name.endswith(("tga", "tif")) else FLOATS
+    path = save(tmp_path / name, pixels, **how)  # type: ignore[arg-type]
+    assert notes_of(path) == said
+
+
+def test_names_of_channels_are_not_kept(tmp_path: Path) -> None:
+    path = save(tmp_path / "a.exr", FLOATS, channels=("N.x", "N.y", "N.z"))
+    assert notes_of(path) == ("not kept: names of channels",)

@@ -14,6 +14,7 @@ from PIL import Image
 
 from sgicodec import read, write
 from sgicodec.errors import PictureError
+from sgicodec.image.alpha import unassociate
 from sgicodec.image.reader import probe
 from sgicodec.metadata.png import chunk
 from sgicodec.picture import Metadata, Picture
@@ -216,3 +217,21 @@ def _png(kind: bytes, contents: bytes, width: int = 1, height: int = 1) -> bytes
     header = chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0))
     data = chunk(b"IDAT", zlib.compress(b"\0\1\2\3"))
     return b"\x89PNG\r\n\x1a\n" + header + chunk(kind, contents) + data + chunk(b"IEND", b"")
+
+
+@pytest.mark.parametrize("dtype", ["uint8", "uint16"])
+def test_integers_come_back_when_multiplied_again(dtype: str) -> None:
+    largest = int(np.iinfo(dtype).max)
+    random = np.random.default_rng(1)
+    alpha = random.integers(1, largest, 4000, endpoint=True)
+    colour = random.integers(0, alpha, endpoint=True)
+    divided = unassociate(np.stack([colour, alpha], -1).astype(dtype)[None])
+    again = np.rint(divided[0, :, 0].astype(np.float64) * alpha / largest)
+    np.testing.assert_array_equal(again, colour)
+    np.testing.assert_array_equal(divided[0, :, 1], alpha)
+
+
+def test_brighter_than_alpha_is_clipped_and_no_alpha_keeps_its_colour() -> None:
+    pixels = np.array([[[200, 100], [77, 0], [0, 9]]], np.uint8)
+    assert unassociate(pixels)[0].tolist() == [[255, 100], [77, 0], [0, 9]]
+    assert pixels[0, 0, 0] == 200

@@ -1,14 +1,17 @@
-"""PSNR and luma against closed forms; squared error of pictures against PSNR."""
+"""PSNR and luma against closed forms; squared error of pictures against PSNR, and the picture of the error."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 import pytest
 
+from sgicodec.errors import UsageError
 from sgicodec.metrics.distortion import decibels, squared_error
 from sgicodec.metrics.psnr import largest_difference, luma, psnr
+from sgicodec.metrics.scores import error_map, scores
 from sgicodec.picture import Picture
 
 
@@ -66,3 +69,26 @@ def test_what_is_not_a_number_in_both_differs_by_nothing(a: list[float], b: list
 
 def test_integers_differ_either_way() -> None:
     assert largest_difference(np.array([[[0], [9]]], np.uint16), np.array([[[65535], [0]]], np.uint16)) == 65535
+
+
+def test_error_map_is_signed_and_amplified() -> None:
+    a = np.array([[[100, 100, 100, 100]]], np.uint8)
+    b = np.array([[[100, 103, 97, 255]]], np.uint8)
+    assert error_map(a, b, gain=10).tolist() == [[[128, 158, 98, 255]]]
+    wide_a, wide_b = a.astype(np.uint16) * 257, b.astype(np.uint16) * 257
+    assert error_map(wide_a, wide_b, gain=10).tolist() == [[[128, 158, 98, 255]]]
+    with pytest.raises(UsageError, match="gain"):
+        error_map(a, b, gain=0)
+
+
+@pytest.mark.parametrize("measure", [psnr, scores])
+def test_unlike_pictures_are_refused(measure: Callable) -> None:
+    a = np.zeros((12, 14, 3), np.uint8)
+    with pytest.raises(UsageError, match="14x12 with 3 channels and 12x14 with 3 channels"):
+        measure(a, np.zeros((14, 12, 3), np.uint8))
+    with pytest.raises(UsageError, match="uint8 and uint16"):
+        measure(a, a.astype(np.uint16))
+    with pytest.raises(UsageError, match=r"\[H, W, C\]"):
+        measure(a[..., 0], a[..., 0])
+    with pytest.raises(UsageError, match="int32"):
+        measure(a.astype(np.int32), a.astype(np.int32))
