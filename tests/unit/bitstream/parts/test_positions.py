@@ -83,14 +83,3 @@ def test_a_seed_beyond_the_tile_is_corrupt(last: int, sound: bool) -> None:
     else:
         with pytest.raises(CorruptStreamError, match="beyond the tile"):
             reader.read_positions((10, 6), 9)
-
-
-@settings(max_examples=examples(150))
-@given(st.binary(max_size=60))
-def test_any_bytes_decode_or_are_corrupt(data: bytes) -> None:
-    try:
-        reader = SymbolReader(data)
-        reader.read_positions((300, 200), 50)
-        reader.finish()
-    except (CorruptStreamError, LimitError):
-        pass

@@ -13,7 +13,7 @@ from reference_decoder import ROUNDING_BITS, Bits
 from sgicodec._native import SymbolReader
 from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
 from sgicodec.bitstream.parts.positions import Seeds, write_tree
-from sgicodec.errors import CorruptStreamError, LimitError, UsageError
+from sgicodec.errors import LimitError, UsageError
 
 Size = tuple[int, int]
 Node = tuple[int, int, int]  # level, column, row
@@ -151,14 +151,3 @@ def test_seeds_that_are_no_nodes_are_refused(corner: tuple[int, int], level: int
         write_tree(SymbolWriter(), SQUARE, seeds)
     with pytest.raises(UsageError, match="share one node"):
         write_tree(SymbolWriter(), SQUARE, seeds_of([(2, 0, 0), (2, 0, 0)]))
-
-
-@settings(max_examples=examples(100))
-@given(st.binary(max_size=60))
-def test_any_bytes_decode_or_are_corrupt(data: bytes) -> None:
-    try:
-        reader = SymbolReader(data)
-        reader.read_tree((300, 200), 50)
-        reader.finish()
-    except (CorruptStreamError, LimitError):
-        pass
