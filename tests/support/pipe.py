@@ -1,11 +1,11 @@
-"""A source of bytes that can only be read on."""
+"""Sources of bytes: one that can only be read on, one that counts what is read."""
 
 from __future__ import annotations
 
 import io
 from typing import BinaryIO
 
-__all__ = ["Pipe", "trickle"]
+__all__ = ["Counted", "Pipe", "trickle"]
 
 
 class Pipe(io.RawIOBase):
@@ -19,6 +19,19 @@ class Pipe(io.RawIOBase):
 
     def seekable(self) -> bool:
         return False
+
+
+class Counted(io.BytesIO):
+    """Remembers how many bytes each read gave."""
+
+    def __init__(self, data: bytes) -> None:
+        super().__init__(data)
+        self.reads: list[int] = []
+
+    def read(self, size: int | None = -1, /) -> bytes:
+        data = super().read(size)
+        self.reads.append(len(data))
+        return data
 
 
 def trickle(data: bytes) -> BinaryIO:

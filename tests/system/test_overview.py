@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import io
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from data_files import crop
+from pipe import Counted
 from surgery import join, split
 
 from sgicodec import Encoded, EncodeSettings, Picture, encode_picture
@@ -111,20 +111,12 @@ def test_small_views_draw_it_and_no_tile(coded: Encoded, photo: Picture) -> None
 
 
 def test_it_alone_is_read_for_them(coded: Encoded) -> None:
-    class Counting(io.BytesIO):
-        bytes_read = 0
-
-        def read(self, size: int | None = -1) -> bytes:
-            data = super().read(size)
-            self.bytes_read += len(data)
-            return data
-
-    source = Counting(coded.data)
+    source = Counted(coded.data)
     stream = open_stream(source)
-    opening = source.bytes_read
-    assert opening < 4096 + 400
+    assert sum(source.reads) < 4096 + 400
+    source.reads.clear()
     stream.picture(scale=1 / 16)
-    assert source.bytes_read - opening < stream.chunk_bytes["o"] + 20
+    assert sum(source.reads) < stream.chunk_bytes["o"] + 20
 
 
 def test_a_damaged_one_spoils_small_views_alone(coded: Encoded) -> None:

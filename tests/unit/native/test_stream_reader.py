@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from data_files import GOLDEN_STREAMS
 from mutate import mutated
-from pipe import trickle
+from pipe import Counted, trickle
 from surgery import Parts, frame, join, split
 
 from sgicodec import _native
@@ -143,16 +143,6 @@ def test_chunks_out_of_place(name: str, source: Source) -> None:
 
 def test_a_tile_and_an_index_are_one_read_each() -> None:
     """What a source far away is asked for: the start, the end, the index, then each tile as a whole."""
-
-    class Counted(io.BytesIO):
-        def __init__(self, data: bytes) -> None:
-            super().__init__(data)
-            self.reads: list[tuple[int, int]] = []
-
-        def read(self, size: int | None = -1, /) -> bytes:
-            self.reads.append((self.tell(), size or 0))
-            return super().read(size)
-
     file = Counted(TILED)
     reader = native_reader(file)
     assert len(file.reads) <= 4
