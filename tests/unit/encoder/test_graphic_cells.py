@@ -52,31 +52,23 @@ def counted(pixels: NDArray[np.uint8], cells: NDArray[np.bool_]) -> ColourCounts
     return survey.counts
 
 
-def test_text_is_found_and_noise_is_not() -> None:
-    mixed = noise()
-    mixed[HALF] = bars()[HALF]
-    assert found_in(bars()).all()
-    assert not found_in(noise()).any()
-    np.testing.assert_array_equal(found_in(mixed), np.repeat([[True] * 6 + [False] * 6], 12, axis=0))
-
-
-def test_faint_text_beside_noise_is_found() -> None:
-    mixed = noise()
-    mixed[HALF] = bars(188, 200)[HALF]
-    np.testing.assert_array_equal(found_in(mixed), np.repeat([[True] * 6 + [False] * 6], 12, axis=0))
-
-
 def calm() -> NDArray[np.uint8]:
     """Many colours that change slowly, each of two by two pixels: as few novel pixels as text."""
     levels = np.random.default_rng(7).integers(60, 65, (SIDE // 2, SIDE // 2, 3)) + np.arange(SIDE // 2)[:, None] // 3
     return levels.repeat(2, axis=0).repeat(2, axis=1).astype(np.uint8)
 
 
-def test_faint_text_that_touches_calm_places_is_found() -> None:
-    mixed = calm()
-    assert not found_in(mixed).any()
-    mixed[HALF] = bars(188, 200)[HALF]
+@pytest.mark.parametrize(("text", "beside"), [(bars(), noise()), (bars(188, 200), noise()), (bars(188, 200), calm())])
+def test_text_is_found_and_what_lies_beside_it_is_not(text: NDArray[np.uint8], beside: NDArray[np.uint8]) -> None:
+    """Faint text, too."""
+    assert not found_in(beside).any()
+    mixed = beside.copy()
+    mixed[HALF] = text[HALF]
     np.testing.assert_array_equal(found_in(mixed), np.repeat([[True] * 6 + [False] * 6], 12, axis=0))
+
+
+def test_text_alone_is_found() -> None:
+    assert found_in(bars()).all()
 
 
 def test_few_colours_without_a_ground_are_none() -> None:

@@ -6,7 +6,7 @@ import os
 import subprocess
 import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
 
@@ -35,17 +35,19 @@ def opened(path: Path, mark: bytes = MARK, resume: bool = True, force: bool = Fa
         yield checkpoint
 
 
-def interrupted(path: Path, numbers: list[int], mark: bytes = MARK, resume: bool = False) -> None:
+@contextmanager
+def until_interrupted(path: Path, resume: bool = False) -> Iterator[Checkpoint]:
+    """Presses Ctrl-C at the end of the block."""
+    with suppress(KeyboardInterrupt), opened(path, resume=resume) as checkpoint:
+        yield checkpoint
+        raise KeyboardInterrupt
+
+
+def interrupted(path: Path, numbers: list[int], resume: bool = False) -> None:
     """Adds tiles, then presses Ctrl-C."""
-
-    def work() -> None:
-        with opened(path, mark, resume) as checkpoint:
-            for number in numbers:
-                checkpoint.add(Version(number), tile(number))
-            raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        work()
+    with until_interrupted(path, resume) as checkpoint:
+        for number in numbers:
+            checkpoint.add(Version(number), tile(number))
 
 
 def test_finished_tiles_are_there_again(tmp_path: Path) -> None:
@@ -61,20 +63,14 @@ def test_finished_tiles_are_there_again(tmp_path: Path) -> None:
 
 def test_passes_and_values_are_kept_apart(tmp_path: Path) -> None:
     path = tmp_path / "part"
-
-    def work() -> None:
-        with opened(path, resume=False) as checkpoint:
-            checkpoint.add(Version(1, 0), tile(1))
-            assert checkpoint.cached("lmbda 0", lambda: 0.1 + 0.2) == 0.1 + 0.2
-            checkpoint.add(Version(1, 3), tile(2))
-            assert checkpoint.cached("lmbda 0", lambda: 7.0) == 0.1 + 0.2
-            assert checkpoint.cached("overview", lambda: b"\0\1") == b"\0\1"
-            assert checkpoint.payload(Version(1, 0)) == tile(1).payload
-            checkpoint.add(Version(0, 3), tile(3))
-            raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        work()
+    with until_interrupted(path) as checkpoint:
+        checkpoint.add(Version(1, 0), tile(1))
+        assert checkpoint.cached("lmbda 0", lambda: 0.1 + 0.2) == 0.1 + 0.2
+        checkpoint.add(Version(1, 3), tile(2))
+        assert checkpoint.cached("lmbda 0", lambda: 7.0) == 0.1 + 0.2
+        assert checkpoint.cached("overview", lambda: b"\0\1") == b"\0\1"
+        assert checkpoint.payload(Version(1, 0)) == tile(1).payload
+        checkpoint.add(Version(0, 3), tile(3))
     with opened(path) as checkpoint:
         assert set(checkpoint.tiles) == {(1, 0), (1, 3), (0, 3)}
         found = [checkpoint.payload(Version(*version)) for version in ((1, 0), (1, 3), (0, 3))]
@@ -127,15 +123,9 @@ def test_a_tile_that_the_disk_changed_is_dropped(tmp_path: Path) -> None:
 def test_a_value_that_the_disk_changed_is_made_again(tmp_path: Path) -> None:
     path = tmp_path / "part"
     overview = bytes(range(200))
-
-    def work() -> None:
-        with opened(path, resume=False) as checkpoint:
-            checkpoint.add(Version(0), tile(0))
-            checkpoint.cached("overview", lambda: overview)
-            raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        work()
+    with until_interrupted(path) as checkpoint:
+        checkpoint.add(Version(0), tile(0))
+        checkpoint.cached("overview", lambda: overview)
     data = bytearray(path.read_bytes())
     data[data.index(overview) + 9] ^= 8
     path.write_bytes(data)
