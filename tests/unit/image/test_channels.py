@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import tifffile
 
 from sgicodec import open_source, read
 from sgicodec.image.source import ALPHA_IS_BAND
@@ -102,7 +103,6 @@ def test_alpha_as_a_band_keeps_stored_samples(extra: int | None) -> None:
 @pytest.mark.parametrize(("colour", "layout"), [("alpha", "rgba"), ("undefined", "multi")])
 def test_gdal_has_the_word_on_the_last_band_of_a_tiff(colour: str, layout: str, tmp_path: Path) -> None:
     """Near infrared that is declared as alpha, which GDAL's metadata call undefined."""
-    tifffile = pytest.importorskip("tifffile")
     item = f'<Item name="COLORINTERP" sample="3" role="colorinterp">{colour.title()}</Item>'
     text = f"<GDALMetadata>{item}</GDALMetadata>"
     pixels = np.concatenate([COLOURS, ALPHA], axis=2)
@@ -130,7 +130,6 @@ RGB = ["Red", "Green", "Blue"]
 def test_what_bands_show_is_kept(
     photometric: str, extra: list[int], alpha: Any, colours: list[str], tmp_path: Path
 ) -> None:
-    tifffile = pytest.importorskip("tifffile")
     pixels = np.zeros((4, 4, len(extra) + (3 if photometric == "rgb" else 1)), np.uint8)
     options = {"photometric": photometric, "extrasamples": extra, "planarconfig": "contig", "metadata": None}
     tifffile.imwrite(tmp_path / "a.tif", pixels, **options)

@@ -62,8 +62,7 @@ def test_bands_are_channels(axes: str, options: dict[str, Any], tmp_path: Path) 
 def test_planes_may_be_stated_one_by_one(tmp_path: Path) -> None:
     """As Bio-Formats writes them, here in reverse."""
     samples = stack(tmp_path / "a.ome.tif", "CYX")
-    with tifffile.TiffFile(tmp_path / "a.ome.tif") as file:
-        text = file.ome_metadata
+    text = tifffile.tiffcomment(tmp_path / "a.ome.tif")
     parts = "".join(
         f'<TiffData FirstC="{c}" FirstZ="0" FirstT="0" IFD="{2 - c}" PlaneCount="1">'
         f'<UUID FileName="a.ome.tif">urn:uuid:0</UUID></TiffData>'
@@ -88,8 +87,7 @@ def test_planes_may_be_stated_one_by_one(tmp_path: Path) -> None:
 )
 def test_of_what_is_no_sound_description_planes_stay_pages(old: str, new: str, tmp_path: Path) -> None:
     samples = stack(tmp_path / "a.ome.tif", "CYX")
-    with tifffile.TiffFile(tmp_path / "a.ome.tif") as file:
-        text = file.ome_metadata
+    text = tifffile.tiffcomment(tmp_path / "a.ome.tif")
     assert old in text
     tifffile.tiffcomment(tmp_path / "a.ome.tif", text.replace(old, new).encode())
     for page in (1, 2, 3):

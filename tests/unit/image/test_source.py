@@ -3,8 +3,6 @@ from __future__ import annotations
 import io
 import itertools
 import struct
-import tempfile
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -79,17 +77,16 @@ def save_planes(path: Path, pixels: np.ndarray, rows: int) -> Path:
 
 
 @pytest.fixture(scope="module")
-def files() -> Iterator[dict[str, Path]]:
+def files(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     """One file of each kind, of samples whose colours are not larger than their alpha."""
-    with tempfile.TemporaryDirectory() as folder:
-        made = {}
-        for name, (extension, dtype, count, hints) in KINDS.items():
-            largest = 200 if dtype == "uint8" else 100 if np.dtype(dtype).kind == "i" else 40000
-            pixels = np.random.default_rng(5).integers(0, largest, (HEIGHT, WIDTH, count)).astype(dtype)
-            pixels[..., -1] = np.maximum(pixels[..., -1], 1)
-            write_file = save_planes if "rows" in hints else save
-            made[name] = write_file(Path(folder) / f"{name}.{extension}", pixels, **hints)
-        yield made
+    folder, made = tmp_path_factory.mktemp("files"), {}
+    for name, (extension, dtype, count, hints) in KINDS.items():
+        largest = 200 if dtype == "uint8" else 100 if np.dtype(dtype).kind == "i" else 40000
+        pixels = np.random.default_rng(5).integers(0, largest, (HEIGHT, WIDTH, count)).astype(dtype)
+        pixels[..., -1] = np.maximum(pixels[..., -1], 1)
+        write_file = save_planes if "rows" in hints else save
+        made[name] = write_file(folder / f"{name}.{extension}", pixels, **hints)
+    return made
 
 
 @pytest.mark.parametrize("kind", KINDS)

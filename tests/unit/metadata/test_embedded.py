@@ -95,9 +95,7 @@ def test_an_orientation_is_applied_once(place: str, turn: int) -> None:
     assert once.pixels.shape == upright.shape
     assert (np.abs(once.pixels.astype(int) - upright) <= 2).all()
     assert once.metadata.exif == exif_blob(orientation=1)
-    for format in HOLDERS:
-        if format == "jpeg":
-            continue
+    for format in HOLDERS[1:]:
         twice = read(packed(once, format))
         np.testing.assert_array_equal(twice.pixels, once.pixels)
 
