@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from children import end_children
-from data_files import crop
+from data_files import crop, geotiff
 from hypothesis import HealthCheck
 from hypothesis import settings as hypothesis_settings
 
@@ -75,14 +75,10 @@ def pyramid(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="session")
 def on_map(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A stream of heights on a map, float32, 610×300 pixels of ten metres in six tiles, some without a value."""
-    rasterio = pytest.importorskip("rasterio")
     folder = tmp_path_factory.mktemp("map")
     y, x = np.mgrid[:300, :610]
     heights = (200 + 50 * np.sin(x / 90) + y / 4).astype(np.float32)
     heights[:60, :90] = -9999
-    profile = {"width": 610, "height": 300, "count": 1, "dtype": "float32", "nodata": -9999, "crs": "EPSG:32632"}
-    place = rasterio.transform.from_origin(500000, 5400000, 10, 10)
-    with rasterio.open(folder / "map.tif", "w", driver="GTiff", transform=place, **profile) as file:
-        file.write(heights, 1)
-    imwrite(folder / "map.sgi", folder / "map.tif", steps=2, tile=256, rdoq=False)
+    tif = geotiff(folder / "map.tif", heights[None], nodata=-9999)
+    imwrite(folder / "map.sgi", tif, steps=2, tile=256, rdoq=False)
     return folder / "map.sgi"

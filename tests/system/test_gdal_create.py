@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 import rasterio
+from data_files import geotiff
 from gdal_programs import NEEDS_GDAL, Run, info, pixels
-from rasterio.transform import from_origin
 
 import sgicodec
 
@@ -25,14 +24,6 @@ def field(bands: int, dtype: str) -> np.ndarray:
     y, x = np.mgrid[:60, :80]
     noise = np.random.default_rng(7).normal(0, 2, (bands, 60, 80))
     return (100 + 60 * np.sin(x / 9) * np.cos(y / 7) + noise + 5 * np.arange(bands)[:, None, None]).astype(dtype)
-
-
-def geotiff(path: Path, samples: np.ndarray, **profile: Any) -> Path:
-    place = {"crs": "EPSG:32632", "transform": from_origin(500000, 5400000, 10, 10)}
-    shape = {"count": len(samples), "height": samples.shape[1], "width": samples.shape[2], "dtype": samples.dtype}
-    with rasterio.open(path, "w", driver="GTiff", **place, **shape, **profile) as file:
-        file.write(samples)
-    return path
 
 
 @pytest.fixture

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from data_files import geotiff
 from gdal_programs import NEEDS_GDAL, Run, info, pixels
 
 import sgicodec
@@ -16,6 +17,7 @@ pytestmark = NEEDS_GDAL
 
 WIDTH, HEIGHT = 600, 400
 QUICK = {"steps": 2, "tile": 256, "rdoq": False}
+BANDS = {"photometric": "minisblack", "alpha": "unspecified"}
 KINDS = [
     ("uint8", 0.0),
     ("uint8", 255.0),
@@ -41,16 +43,6 @@ def is_nodata(samples: np.ndarray, nodata: float) -> np.ndarray:
     return np.isnan(samples) if math.isnan(nodata) else samples == nodata
 
 
-def tif_of(path: Path, bands: np.ndarray, nodata: float | None, **profile: object) -> Path:
-    rasterio = pytest.importorskip("rasterio")
-    shape = {"count": len(bands), "height": bands.shape[1], "width": bands.shape[2], "dtype": bands.dtype}
-    place = rasterio.transform.from_origin(500000, 5400000, 10, 10)
-    profile = {"nodata": nodata, "photometric": "minisblack", "alpha": "unspecified"} | profile
-    with rasterio.open(path, "w", driver="GTiff", transform=place, crs="EPSG:32632", **shape, **profile) as file:
-        file.write(bands)
-    return path
-
-
 def shares(empty: np.ndarray, width: int, height: int, margin: int) -> np.ndarray:
     """The share of empty pixels in what each of so many output pixels shows, and around it."""
     sums = np.pad(empty.cumsum(0).cumsum(1), ((1, 0), (1, 0)))
@@ -70,7 +62,7 @@ def shares(empty: np.ndarray, width: int, height: int, margin: int) -> np.ndarra
 def test_each_band_has_its_own_nodata(dtype: str, nodata: float, gdal: Run, tmp_path: Path) -> None:
     """At full size exactly its own; at any scale none where all around is valid, and nothing else where nothing is."""
     bands = bare_bands(dtype, nodata)
-    source = tif_of(tmp_path / "a.tif", bands, nodata)
+    source = geotiff(tmp_path / "a.tif", bands, nodata=nodata, **BANDS)
     sgicodec.imwrite(tmp_path / "a.sgi", source, **QUICK)
     whole = pixels(gdal, tmp_path / "a.sgi", tmp_path / "whole.tif")
     np.testing.assert_array_equal(is_nodata(whole, nodata), is_nodata(bands, nodata).transpose(1, 2, 0))
@@ -99,7 +91,7 @@ def test_bands_of_unlike_nodata_are_refused(
     values: tuple[float | None, ...], said: str, gdal: Run, tmp_path: Path
 ) -> None:
     """GeoTIFF has one value for all: valid samples of the other bands would be nodata."""
-    source, virtual = tif_of(tmp_path / "a.tif", bare_bands("uint16", 0), None), tmp_path / "a.vrt"
+    source, virtual = geotiff(tmp_path / "a.tif", bare_bands("uint16", 0), **BANDS), tmp_path / "a.vrt"
     gdal("gdal_translate", "-q", "-of", "VRT", source, virtual)
     *bands, end = virtual.read_text().split("</VRTRasterBand>")
     stated = ["" if value is None else f"<NoDataValue>{value}</NoDataValue>" for value in values]
