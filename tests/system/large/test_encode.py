@@ -1,4 +1,4 @@
-"""Encodes from a file: the same bytes with any workers, in any order, interrupted or not."""
+"""Encodes from a file: the same bytes with any workers, in any order, interrupted or not, with a goal or without."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from typing import Any
 
 import pytest
 
-from sgicodec import EncodeSettings, encode_picture, open_source, read
-from sgicodec.decoder.stream import open_stream
+from sgicodec import EncodeSettings, decode, encode_picture, imread, open_source, read
 from sgicodec.encoder.progress import NullListener, PassState
+from sgicodec.encoder.tiles.checkpoint import Checkpoint
 from sgicodec.encoder.tiles.store import Store
 from sgicodec.errors import UsageError
 from sgicodec.executors.executor import MIB, Executor, Memory
@@ -64,7 +64,7 @@ def test_a_path_and_a_result_hold_the_same(
     assert out.read_bytes() == returned.data == expected
     assert written.size == returned.size
     assert written.psnr == returned.psnr
-    assert written.psnr == pytest.approx(psnr(read(photo).pixels, open_stream(out).picture().pixels), abs=1e-6)
+    assert written.psnr == pytest.approx(psnr(read(photo).pixels, imread(out)), abs=1e-6)
 
 
 @pytest.mark.parametrize("output", [False, True])
@@ -80,12 +80,13 @@ def test_a_source_in_one_tile(photo: Path, settings: EncodeSettings, output: boo
 
 
 class Watch(NullListener):
-    """Remembers tiles and fresh pixels, and presses Ctrl-C after so many tiles."""
+    """Remembers passes, tiles and fresh pixels, and presses Ctrl-C after so many tiles."""
 
     def __init__(self, stop: int | None = None) -> None:
-        self.stop, self.states = stop, list[tuple[int, int]]()
+        self.stop, self.passes, self.states = stop, set[str](), list[tuple[int, int]]()
 
     def tile(self, state: PassState) -> None:
+        self.passes.add(state.name)
         self.states.append((state.done, state.fresh))
         if state.done == self.stop:
             raise KeyboardInterrupt
@@ -112,3 +113,29 @@ def test_workers_that_fit() -> None:
     assert type(ProcessExecutor(8).within(found, 1)) is Executor
     with pytest.raises(UsageError, match="about 500 MiB"):
         ProcessExecutor(8, 499 * MIB).within(found, 5)
+
+
+GOALS: tuple[dict[str, float], ...] = ({"bpp": 1.5}, {"psnr": 28.0})
+
+
+@pytest.fixture(params=GOALS, ids=["bpp", "psnr"], scope="module")
+def goal(request: pytest.FixtureRequest, settings: EncodeSettings) -> EncodeSettings:
+    return replace(settings, tile=40, **request.param)
+
+
+@pytest.fixture(scope="module")
+def met(photo: Path, goal: EncodeSettings) -> bytes:
+    data = encode_picture(read(photo), goal).data
+    if goal.bpp is not None:
+        assert 0.97 * goal.bpp <= 8 * len(data) / (150 * 100) <= goal.bpp
+    else:
+        assert psnr(read(photo).pixels, decode(data)) == pytest.approx(goal.psnr, abs=0.1)
+    return data
+
+
+def test_two_workers_give_the_same_bytes(photo: Path, goal: EncodeSettings, met: bytes, tmp_path: Path) -> None:
+    watch, out, store = Watch(), tmp_path / "out.sgi", Checkpoint(tmp_path / "out.part", resume=True)
+    with open_source(photo) as source:
+        encode_picture(source, goal, output=out, executor=ProcessExecutor(2), store=store, progress=watch)
+    assert out.read_bytes() == met
+    assert watch.passes - {"overview"} == {"tiles"}  # in stated steps, no drafts come first
