@@ -71,12 +71,9 @@ def test_every_dependency_has_its_reason() -> None:
 def test_the_api_page_has_every_public_name() -> None:
     text = (ROOT / "docs" / "api.md").read_text("utf-8")
     assert [name for name in sgicodec.__all__ if not re.search(rf"\*\*`{name}\b", text)] == []
-    table = text.split("## Settings")[1].split("\n## ")[0]
-    documented = set(re.findall(r"`(\w+)`", " ".join(re.findall(r"^\| (`.*?) \|", table, re.MULTILINE))))
-    assert documented == {field.name for field in fields(sgicodec.EncodeSettings)}
 
 
-def test_the_api_page_has_the_defaults() -> None:
+def test_the_api_page_has_all_settings_and_their_defaults() -> None:
     table = (ROOT / "docs" / "api.md").read_text("utf-8").split("## Settings")[1].split("\n## ")[0]
     rows = re.findall(r"^\| (`.*?) \| (`?[\w\"]+`?) \|", table, re.MULTILINE)
     stated = {name: default.strip("`") for names, default in rows for name in re.findall(r"`(\w+)`", names)}
