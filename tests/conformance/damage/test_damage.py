@@ -9,10 +9,14 @@ from typing import Any
 import numpy as np
 import pytest
 from absurd import absurd_stream
+from data_files import crop
+from page_varint import decode_varint
 from pipe import Pipe
 from surgery import HEADER_FIELDS, flipped, join, split, with_fields
 
-from sgicodec import SgiError
+from sgicodec import EncodeSettings, SgiError, encode_picture
+from sgicodec.bitstream.container import SIGNATURE
+from sgicodec.bitstream.index import Place, encode_index
 from sgicodec.decoder.stream import open_stream
 from sgicodec.errors import CorruptStreamError, StreamError
 
@@ -114,3 +118,48 @@ def test_any_numbers_draw_a_picture(seed: int) -> None:
             assert np.isfinite(stream.render(size=size)).all()
             width, height = size or (stream.width, stream.height)
             assert stream.picture(size=size).pixels.shape == (height, width, stream.header.spec.channels)
+
+
+@pytest.fixture(scope="module")
+def tiled() -> bytes:
+    """96×64 pixels in two tiles."""
+    return encode_picture(crop("kodim23", np.s_[180:244, 100:196]), EncodeSettings(steps=10, tile=64)).data
+
+
+def test_damage_of_tiles_is_found(tiled: bytes) -> None:
+    for bit in range(0, 8 * len(tiled), 61):
+        assert isinstance(outcome(flipped(tiled, bit)), StreamError), bit
+    for end in range(0, len(tiled), 23):
+        with pytest.raises(StreamError):
+            open_stream(tiled[:end])
+
+
+def _places(data: bytes) -> tuple[list[Place], int]:
+    """Where the tiles are, and where the index is."""
+    places, at = [], len(SIGNATURE)
+    while data[at : at + 1] != b"X":
+        length, start = decode_varint(data, at + 1)
+        if data[at : at + 1] == b"T":
+            places.append(Place(at, length))
+        at = start + length + 4
+    return places, at
+
+
+def _with_index(data: bytes, places: list[Place]) -> bytes:
+    *parts, _, end = split(data)
+    return join([*parts, ("X", encode_index(places, _places(data)[1])), end])
+
+
+def test_an_index_that_lies_is_found(tiled: bytes) -> None:
+    (first, second), index = _places(tiled)
+    assert _with_index(tiled, [first, second]) == tiled
+    lies = [
+        [second, first],
+        [first, first],
+        [first, second._replace(length=second.length - 1)],
+        [first, second._replace(offset=second.offset + 1)],
+        [first, Place(index, 20)],
+        [first, Place(10**12, second.length)],
+    ]
+    for places in lies:
+        assert isinstance(outcome(_with_index(tiled, places)), CorruptStreamError)

@@ -124,13 +124,17 @@ def test_a_tree_of_too_many_nodes() -> None:
         read_tile(header, payload)
 
 
-def _up_to_positions(header: Any) -> SymbolWriter:
+def _steps(header: Any) -> SymbolWriter:
     walk = SymbolWriter()
-    plan = default_plan(header.spec, header.quality)
-    for name, index in plan.base.items():
+    for name, index in default_plan(header.spec, header.quality).base.items():
         write_weights(walk, np.zeros_like(index), index.shape)
         if header.spec.plain and name != "colour":
             walk.code_int(0, 6)
+    return walk
+
+
+def _up_to_positions(header: Any) -> SymbolWriter:
+    walk = _steps(header)
     if header.spec.base_cell:
         walk.code_int(0, 8)
         shape = (header.spec.channels, *base_shape(header.width, header.height, header.spec.base_cell))
@@ -150,11 +154,7 @@ def test_steps_outside_their_table(coded: Any) -> None:
 
 def test_base_step_outside_its_table(coded: Any) -> None:
     header = decode_header(split(with_fields(coded.data, base_cell=32))[0][1])
-    walk = SymbolWriter()
-    for name, index in default_plan(header.spec, header.quality).base.items():
-        write_weights(walk, np.zeros_like(index), index.shape)
-        if header.spec.plain and name != "colour":
-            walk.code_int(0, 6)
+    walk = _steps(header)
     walk.code_int(STEP_COUNT, 8)
     with pytest.raises(CorruptStreamError, match="step"):
         read_tile(header, walk.finish())

@@ -1,14 +1,16 @@
-"""The sgi codec's runner, driven by a stand-in for the command line."""
+"""The sgi codec's runner, driven by a stand-in for the command line, and the memory of all processes of a command."""
 
 from __future__ import annotations
 
 import json
+import subprocess
 import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from sgicodec.bench.peak import family, together
 from sgicodec.bench.sgi import SgiCodec
 from sgicodec.errors import SgiError
 
@@ -76,3 +78,27 @@ def test_a_size_is_a_target_of_the_command(tmp_path: Path) -> None:
     encode = json.loads((tmp_path / "fake.log").read_text().splitlines()[0])
     assert encode[3:5] == ["--size", "1234"]
     assert "-q" not in encode
+
+
+HOLD = "held = bytearray(100 << 20); held[::4096] = b'x' * len(held[::4096]); print('held', flush=True); input()"
+PARENT = f"""
+import subprocess, sys
+for _ in range(int(sys.argv[1])):
+    child = subprocess.Popen([sys.executable, "-c", {HOLD!r}], stdout=subprocess.PIPE)
+    child.stdout.readline()
+print("ready", flush=True)
+input()
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="no other system tells what processes share")
+@pytest.mark.parametrize("children", [0, 1, 2])
+def test_processes_are_added_up(children: int) -> None:
+    command = [sys.executable, "-c", PARENT, str(children)]
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE) as parent:
+        assert parent.stdout is not None
+        parent.stdout.readline()
+        assert len(list(family(parent.pid))) == 1 + children
+        held = together(parent.pid)
+        parent.communicate(b"\n\n\n")
+    assert 100 * children <= held <= 140 * children
