@@ -9,10 +9,12 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 from PIL import Image
+from tags import exif_of
 
 from sgicodec import read
 from sgicodec.errors import PictureError
 from sgicodec.image.reader import probe
+from sgicodec.metadata import ifd
 
 BAYER = np.array([[0, 1], [1, 2]])
 """The channel behind each filter."""
@@ -38,7 +40,8 @@ def dng(sensor: NDArray[np.uint16], turn: int = 1) -> bytes:
     short, long = struct.Struct("<H").pack, struct.Struct("<I").pack
     rows = {
         **{254: (4, long(0)), 256: (4, long(width)), 257: (4, long(height)), 258: (3, short(16)), 259: (3, short(1))},
-        **{262: (3, short(32803)), 271: (2, b"Maker\0"), 272: (2, b"Model\0"), 273: (4, b""), 274: (3, short(turn))},
+        **{262: (3, short(32803)), 271: (2, b"Maker\0"), 272: (2, b"Model\0")},
+        **{273: (4, long(0)), 274: (3, short(turn))},
         **{
             282: (5, ratios(300)),
             283: (5, ratios(150)),
@@ -52,16 +55,9 @@ def dng(sensor: NDArray[np.uint16], turn: int = 1) -> bytes:
         **{50707: (1, b"\1\1\0\0"), 50708: (2, b"Model\0"), 50714: (4, long(0)), 50717: (4, long(60000))},
         **{50721: (10, ratios(*camera)), 50728: (5, ratios(*NEUTRAL)), 50778: (3, short(21))},
     }
-    sizes = {1: 1, 2: 1, 3: 2, 4: 4, 5: 8, 10: 8}
-    start, body, table = 8 + 2 + 12 * len(rows) + 4, b"", b""
-    behind = start + sum(len(data) + len(data) % 2 for _, data in rows.values() if len(data) > 4)
-    for tag, (kind, data) in sorted(rows.items()):
-        data = long(behind) if tag == 273 else data
-        place = data.ljust(4, b"\0")
-        if len(data) > 4:
-            place, body = long(start + len(body)), body + data + bytes(len(data) % 2)
-        table += struct.pack("<HHI", tag, kind, len(data) // sizes[kind]) + place
-    return b"II*\0\x08\0\0\0" + short(len(rows)) + table + bytes(4) + body + sensor.astype("<u2").tobytes()
+    entries = {tag: ifd.Entry(kind, data) for tag, (kind, data) in rows.items()}
+    behind = len(exif_of(entries))
+    return exif_of(entries | {273: ifd.Entry(4, long(behind))}) + sensor.astype("<u2").tobytes()
 
 
 def srgb(linear: float) -> float:
