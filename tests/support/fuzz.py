@@ -19,6 +19,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
+from data_files import ATTACKS, GOLDEN
 from mutate import mutated
 
 from sgicodec import _native
@@ -26,8 +27,7 @@ from sgicodec.decoder.stream import CACHE_BYTES, Stream
 from sgicodec.device import Device
 from sgicodec.errors import SgiError, UsageError
 
-TESTS = Path(__file__).parents[1]
-SEEDS = (TESTS / "conformance" / "golden", TESTS / "data" / "attacks")
+SEEDS = (GOLDEN, ATTACKS)
 LONGEST = 40_000
 """Bytes of a stream that the corpus takes."""
 _VARYING = re.compile(r"chunk .|\b[0-9a-f]{2,8}\b|[0-9][0-9.,]*")

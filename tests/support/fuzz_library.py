@@ -15,6 +15,7 @@ import time
 from pathlib import Path
 
 import numpy as np
+from data_files import ATTACKS, GOLDEN_STREAMS
 from library import ROOT, installed
 from mutate import mutated
 
@@ -70,8 +71,7 @@ def main() -> None:
     options = parser.parse_args()
     seed = int(np.random.SeedSequence().generate_state(1)[0]) if options.seed is None else options.seed
     rng, program = np.random.default_rng(seed), driver()
-    golden = sorted((ROOT / "tests" / "conformance" / "golden").glob("*.sgi"))
-    golden += sorted((ROOT / "tests" / "data" / "attacks").glob("*.sgi"))
+    golden = [*GOLDEN_STREAMS, *sorted(ATTACKS.glob("*.sgi"))]
     run(program, golden, options.patience)
     data, tries, end = [path.read_bytes() for path in golden], 0, time.monotonic() + options.seconds
     with tempfile.TemporaryDirectory() as folder:

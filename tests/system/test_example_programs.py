@@ -106,17 +106,13 @@ def test_slide(tmp_path: Path) -> None:
     assert np.array_equal(sgicodec.imread(tmp_path / "scan.sgi"), pixels)
 
 
-def cells() -> list[dict[str, Any]]:
-    found: list[dict[str, Any]] = json.loads((EXAMPLES / "first_steps.ipynb").read_text("utf-8"))["cells"]
-    return [cell for cell in found if cell["cell_type"] == "code"]
-
-
 def test_notebook(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     """All cells in turn, as one program."""
     monkeypatch.chdir(EXAMPLES)
     monkeypatch.setenv("MPLBACKEND", "Agg")
     names: dict[str, Any] = {"__name__": "notebook"}
-    for cell in cells():
+    cells = json.loads((EXAMPLES / "first_steps.ipynb").read_text("utf-8"))["cells"]
+    for cell in (cell for cell in cells if cell["cell_type"] == "code"):
         assert cell["outputs"] == [], f"{cell['id']}: outputs are not committed"
         exec(compile("".join(cell["source"]), cell["id"], "exec"), names)
     assert names["difference"] < 0.01
