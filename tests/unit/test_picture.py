@@ -8,6 +8,7 @@ from tags import geo_of, text
 
 from sgicodec.errors import UsageError
 from sgicodec.metadata import geo
+from sgicodec.metadata.layouts import SampleRange, range_text
 from sgicodec.picture import Metadata, Picture, convert, from_unit, full_range, nodata_mask, to_unit
 
 
@@ -111,3 +112,18 @@ def test_nodata_is_converted_with_its_samples() -> None:
     for gone in (b"-9999", b"nan"):
         assert convert(Picture(pixels.astype(np.float32), "gray", (0.0, 2000.0), _geo(gone)), 16).nodata is None
     assert convert(Picture(pixels, "gray", (0.0, 65535.0), _geo(b"0.5")), 8).metadata.geo is None
+
+
+@pytest.mark.parametrize(
+    ("sample_range", "said"),
+    [
+        ((0, 255), "0 to 255"),
+        ((0.0, 0.123456789), "0 to 0.123457"),
+        ((1e7, 1e7 + 1), "10000000 to 10000001"),
+        ((4500000.0, 4500000.5), "4500000 to 4500000.5"),
+        ((-1e30, 1e30), "-1e+30 to 1e+30"),
+        (((0.0, 1e7), (1.0, 1e7 + 2)), "0 to 1, 10000000 to 10000002"),
+    ],
+)
+def test_the_ends_of_a_range_differ(sample_range: SampleRange, said: str) -> None:
+    assert range_text(sample_range) == said

@@ -1,4 +1,4 @@
-"""Streams stay open while there is room, and while they are used."""
+"""Streams stay open while there is room, and while they are used; what the viewer's folder lacks."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from data_files import GOLDEN
 from sgicodec.device import Device
 from sgicodec.errors import StreamError
 from sgicodec.server.open_streams import OpenStreams
+from sgicodec.server.viewer import missing_decoder
 
 NAMES = ("rgb8", "gray16", "rgba8")
 
@@ -49,3 +50,14 @@ def test_errors_do_not_name_the_path(streams: OpenStreams, tmp_path: Path) -> No
             pass
         assert str(tmp_path) not in str(caught.value)
     assert len(streams) == 0
+
+
+def test_a_decoder_that_was_not_compiled_is_named(tmp_path: Path) -> None:
+    (tmp_path / "wasm").mkdir()
+    (tmp_path / "wasm" / "sgi.wasm").touch()
+    note = missing_decoder(tmp_path)
+    assert note is not None
+    assert "WebAssembly" in note
+    assert "make viewer" in note
+    (tmp_path / "wasm" / "sgi-scalar.wasm").touch()
+    assert missing_decoder(tmp_path) is None
