@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Sequence
+import itertools
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,7 @@ from PIL import Image, ImageCms
 
 from sgicodec import Picture, open_source, write
 
-__all__ = ["SRGB", "by_pillow", "by_tifffile", "noise", "notes_of", "packed", "save"]
+__all__ = ["SRGB", "by_pillow", "by_tifffile", "noise", "notes_of", "packed", "save", "window_rows"]
 
 SRGB = ImageCms.ImageCmsProfile(ImageCms.createProfile("sRGB")).tobytes()
 """An ICC profile."""
@@ -79,3 +80,10 @@ def save(
     assert image.write_image(np.ascontiguousarray(pixels)), image.geterror()
     assert image.close()
     return path
+
+
+def window_rows(width: int, height: int, tile: int, apron: int) -> Iterator[tuple[int, int, int, int]]:
+    """x, y, width and height of every tile with its apron, row by row, as an encode reads a picture."""
+    for y, x in itertools.product(range(0, height, tile), range(0, width, tile)):
+        left, top = max(x - apron, 0), max(y - apron, 0)
+        yield left, top, min(x + tile + apron, width) - left, min(y + tile + apron, height) - top

@@ -10,8 +10,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 import pytest
-from image_files import noise, save
-from window_rows import window_rows
+from image_files import noise, save, window_rows
 
 from sgicodec import open_source, read, write
 from sgicodec.errors import PictureError

@@ -12,9 +12,8 @@ import tifffile
 from examples import examples
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
-from image_files import noise, save
+from image_files import noise, save, window_rows
 from tags import exif_blob
-from window_rows import window_rows
 
 from sgicodec import open_source, read, write
 from sgicodec.errors import PictureError, UsageError
