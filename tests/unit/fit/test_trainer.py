@@ -1,16 +1,21 @@
-"""What a fit does from step to step, seen on a picture of a few seeds."""
+"""What a fit does from step to step, seen on a picture of a few seeds; how its steps are counted, and what is due."""
 
+import math
 from collections import deque
 
 import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from sgicodec.bitstream.parts.prior import load_prior
 from sgicodec.fit.noise import NoiseKey
+from sgicodec.fit.schedule import Schedule, evenly, passed
 from sgicodec.fit.trainer import Trainer
 from sgicodec.model.layout import adaptive_layout
 from sgicodec.profiles.default import default_settings, default_spec
-from sgicodec.profiles.fit_settings import FitSettings
+from sgicodec.profiles.fit_settings import FitSettings, Phase
 
 
 def small_fit(settings: FitSettings, weights: NDArray[np.float32] | None = None, side: int = 1) -> Trainer:
@@ -42,3 +47,28 @@ def test_weights_move_seeds_to_where_errors_count() -> None:
         shares.append(float(np.mean(trainer.seeds.layout.corner[:, 0] >= 32)))
     assert errors[1] < 0.7 * errors[0]
     assert shares[1] > shares[0] + 0.1
+
+
+@given(st.lists(st.integers(1, 9), min_size=1, max_size=4))
+def test_counted_steps(counts: list[int]) -> None:
+    schedule = Schedule(tuple(Phase(count) for count in counts))
+    number = 0
+    for index, count in enumerate(counts):
+        fractions = []
+        for fraction in schedule.within(index):
+            assert schedule.done == pytest.approx(number / sum(counts))
+            assert schedule.steps == sum(counts)
+            number += 1
+            fractions.append(fraction)
+        assert fractions == [(i + 1) / count for i in range(count)]
+    assert schedule.done == 1.0
+
+
+@given(st.lists(st.integers(1, 9), min_size=1, max_size=4), st.integers(0, 12))
+def test_what_happens_evenly_is_due_once_each_unless_steps_are_too_few(counts: list[int], times: int) -> None:
+    schedule = Schedule(tuple(Phase(count) for count in counts))
+    for index, count in enumerate(counts):
+        left = evenly(times)
+        due = [fraction for fraction in schedule.within(index) if passed(left, fraction)]
+        assert due == sorted({math.ceil((i + 1) / (times + 1) * count - 1e-9) / count for i in range(times)})
+        assert left == []

@@ -1,7 +1,12 @@
+"""Pictures as they are written, in all formats; files that cannot grow end with an ordinary error."""
+
 from __future__ import annotations
 
 import io
+import resource
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -118,3 +123,41 @@ def test_formats_go_by_extension_or_name(tmp_path: Path) -> None:
         write(picture, tmp_path / "x.gif")
     with pytest.raises(PictureError, match="the picture: '' is no picture format"):
         write(picture, io.BytesIO())
+
+
+MOST = 1 << 14
+
+
+@contextmanager
+def limited() -> Iterator[None]:
+    """A block in which no file of this process may grow beyond 16 KiB. No fixture: pytest may report into a file."""
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (MOST, before[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+
+
+def noisy_picture(extension: str) -> Picture:
+    floats = extension in ("exr", "hdr", "pfm")
+    samples = np.random.default_rng(1).integers(0, 256, (120, 160, 3), np.uint8)
+    return Picture(samples.astype(np.float32), "rgb", (0.0, 255.0)) if floats else Picture(samples, "rgb", (0.0, 255.0))
+
+
+@pytest.mark.parametrize("extension", [holder.extensions[0] for holder in FORMATS])
+def test_a_file_that_cannot_grow(tmp_path: Path, extension: str) -> None:
+    target = tmp_path / f"x.{extension}"
+    target.write_bytes(b"what was there")
+    with limited(), pytest.raises(PictureError, match=rf"x\.{extension}: ") as caught:
+        write(noisy_picture(extension), target)
+    assert ".sgicodec-" not in str(caught.value)
+    assert [path.read_bytes() for path in tmp_path.iterdir()] == [b"what was there"]
+
+
+def test_what_went_through_a_pipe_is_whole(tmp_path: Path) -> None:
+    """More than a pipe holds, written at the end while the writer holds Python's lock."""
+    samples = np.random.default_rng(2).integers(0, 256, (600, 500, 3), np.uint8)
+    write(Picture(samples, "rgb", (0.0, 255.0)), tmp_path / "x.webp")
+    assert (tmp_path / "x.webp").stat().st_size > 1 << 18
+    np.testing.assert_array_equal(read(tmp_path / "x.webp").pixels, samples)
