@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from io import BytesIO
-
 import numpy as np
 import pytest
 from data_files import crop
-from PIL import Image
+from image_files import by_pillow
 
-from sgicodec import EncodeSettings, Picture, encode_picture
+from sgicodec import EncodeSettings, Picture, encode_picture, read
 from sgicodec.decoder.stream import open_stream
 from sgicodec.encoder.tile import state
 from sgicodec.encoder.tile.jpeg_grid import jpeg_grid
@@ -20,9 +18,7 @@ PHOTOS = {name: crop(name, np.s_[160:352, 80:336]).pixels for name in ("kodim13"
 
 
 def was_jpeg(pixels: np.ndarray, quality: int, subsampling: int = 0) -> np.ndarray:
-    file = BytesIO()
-    Image.fromarray(pixels).save(file, "JPEG", quality=quality, subsampling=subsampling)
-    return np.array(Image.open(file))
+    return read(by_pillow(pixels, "JPEG", quality=quality, subsampling=subsampling)).pixels
 
 
 @pytest.mark.parametrize("name", PHOTOS)
