@@ -52,3 +52,11 @@ def test_more_seeds_than_a_node_holds() -> None:
     order = np.argsort(corner[:, 0] // 32 * 100 + corner[:, 1] // 32, kind="stable")
     assert_nearest(corner[order], log_size[order], 6)
     assert_nearest(corner, log_size, 6)
+
+
+def test_a_crowd_and_a_few_far_away() -> None:
+    """Among so many, distances of the few are beyond what a key says."""
+    rng = np.random.default_rng(5)
+    corner = np.concatenate([rng.integers(0, 200, (3000, 2)), rng.integers(6000, 8000, (30, 2))]).astype(np.int32)
+    log_size = rng.integers(1, 7, len(corner)).astype(np.int8)
+    assert_nearest(corner, log_size, 6)
