@@ -23,15 +23,23 @@ inline vf load_part(const float *values, int64_t count) {
   return row;
 }
 
-inline vi integers(vf row, float most) { return __builtin_convertvector(rounded(row, most), vi); }
+// What samples of type T stand for, within its range: a range that is mapped to is.
+template <class T>
+inline vf ranged(vf row, const Samples &s, int channel) {
+  constexpr bool kIsFloat = T(0.5f) != 0;
+  if (s.clip) return mapped(row, s.low[channel], s.span[channel]);
+  return kIsFloat ? row : clipped(row, float(T(-1)));
+}
+
+inline vi integers(vf row) { return __builtin_convertvector(rounded(row), vi); }
 
 inline void convert(vf row, uint8_t *to) {
-  const Bytes samples = __builtin_convertvector(integers(row, 255.0f), Bytes);
+  const Bytes samples = __builtin_convertvector(integers(row), Bytes);
   __builtin_memcpy(to, &samples, sizeof samples);
 }
 
 inline void convert(vf row, uint16_t *to) {
-  const Words samples = __builtin_convertvector(integers(row, 65535.0f), Words);
+  const Words samples = __builtin_convertvector(integers(row), Words);
   __builtin_memcpy(to, &samples, sizeof samples);
 }
 
@@ -92,9 +100,7 @@ void store_channels_as(const float *const *rows, int64_t pixels, int channels, c
     const int count = int(pixels - at < kStrip ? pixels - at : kStrip);
     for (int x = 0; x < count; x += LANES) {
       const auto channel = [&](int c) { return load_part(rows[c] + at + x, pixels - at - x); };
-      const auto write = [&](int c, vf row) {
-        convert(s.clip ? mapped(row, s.low[c], s.span[c]) : row, planes + c * kStrip + x);
-      };
+      const auto write = [&](int c, vf row) { convert(ranged<T>(row, s, c), planes + c * kStrip + x); };
       int c = 0;
       if (s.mix) {
         const vf first = channel(0), second = channel(1), third = channel(2);
@@ -192,15 +198,13 @@ inline bool all_equal(const float *values, int count) {
 // Where all channels have one range.
 template <class T>
 void store_alike(const float *values, int64_t count, const Samples &s, T *to) {
-  const float low = s.low[0], span = s.span[0];
-  const auto sample = [&](vf row) { return s.clip ? mapped(row, low, span) : row; };
   int64_t i = 0;
-  for (; i + LANES <= count; i += LANES) convert(sample(load(values + i)), to + i);
+  for (; i + LANES <= count; i += LANES) convert(ranged<T>(load(values + i), s, 0), to + i);
   if (i == count) return;
   vf row{};
   T samples[LANES];
   __builtin_memcpy(&row, values + i, (count - i) * sizeof *values);
-  convert(sample(row), samples);
+  convert(ranged<T>(row, s, 0), samples);
   __builtin_memcpy(to + i, samples, (count - i) * sizeof *samples);
 }
 

@@ -10,11 +10,11 @@ inline Row clipped(Row value, float most) {
   return value < most ? value : Row{} + most;
 }
 
-// The nearest integer of 0 ... most, ties to even.
+// The nearest integer, ties to even, of a value up to 2^22 either way.
 template <class Row>
-inline Row rounded(Row value, float most) {
+inline Row rounded(Row value) {
   constexpr float kMagic = 12582912.0f;  // 1.5 * 2^23: adding it leaves no fraction
-  return clipped((value + kMagic) - kMagic, most);
+  return (value + kMagic) - kMagic;
 }
 
 // The sample that stands for a value.
@@ -27,7 +27,7 @@ inline Row mapped(Row value, float low, float span) {
 template <class T>
 inline T stored(float sample) {
   constexpr bool kIsFloat = T(0.5f) != 0;
-  return T(kIsFloat ? sample : rounded(sample, float(T(-1))));
+  return T(kIsFloat ? sample : rounded(clipped(sample, float(T(-1)))));
 }
 
 }  // namespace
