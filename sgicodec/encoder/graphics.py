@@ -1,9 +1,10 @@
 """Text, line art, screens and sharp alpha: a residual layer shows them instead of Gaussians and texture, at every
-scale, because that takes fewer bits and keeps edges hard.
+scale, because that takes fewer bits and keeps edges hard. And how good a picture is below a layer that shows all.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -17,6 +18,8 @@ from sgicodec.encoder.plan import Plan
 from sgicodec.encoder.residual import Layer, bits_of_blocks
 from sgicodec.encoder.residual_form import Repeats, block_rects
 from sgicodec.metadata.layouts import alpha_index
+from sgicodec.metrics.jpeg_grid import jpeg_grid, jpeg_saving
+from sgicodec.metrics.psnr import luma
 from sgicodec.model.steps import quality_index
 from sgicodec.model.tile_grid import Rect
 
@@ -42,6 +45,11 @@ _ERROR, _ERROR_HALVING = 8.0, 20
 _MAX_ERROR = 15
 """Whatever the quality; text is often no more than twice as far from its ground."""
 _MAX_COLOURS = 3
+_JPEG_SHARE = 1 / 3
+"""Of blocks of a picture that was a JPEG file in which its grid is seen: it is not where they are flat."""
+_JPEG_QUALITY, _EXACT_ERROR, _ERROR_DOUBLING = 98.0, 2.0, 10.0
+"""Quality below a layer over what was a JPEG file, up to which error in levels of 255, and by how much less it is for
+each doubling of that (docs/notes/2026-11-residual-layer.md)."""
 
 
 @dataclass(frozen=True)
@@ -75,8 +83,9 @@ class ExactDivision(Division):
 
 def with_graphics(windows: Windows, plan: Plan) -> Division:
     """What tiles show of a picture, and what a residual layer does. Where the layer was asked for, no quality of what
-    is below was, and whole pixels repeat each other, it shows all; where nothing but a quality was asked for, text and
-    line art. Else alpha is exact if that takes fewer bits. `exact` is there where most pixels repeat each other.
+    is below was, and whole pixels repeat each other, it shows all, and of what was a JPEG file next to nothing; where
+    nothing but a quality was asked for, text and line art. Else alpha is exact if that takes fewer bits. `exact` is
+    there where most pixels repeat each other.
     """
     settings, header = plan.settings, plan.header
     asked = settings.max_error
@@ -87,6 +96,8 @@ def with_graphics(windows: Windows, plan: Plan) -> Division:
     rects = list(block_rects(header))
     sample = _some(rects)
     if asked is not None:
+        if _was_jpeg(windows, plan, sample):
+            return Division(windows, _nearly_exact(plan, asked), Layer(windows, asked))
         if not _repeats(windows, sample).are_usual:
             return Division(windows, plan, Layer(windows, asked))
         return Division(windows, _above_nothing(plan), Layer(windows, asked, exact_views=True))
@@ -169,6 +180,22 @@ def _above_nothing(plan: Plan) -> Plan:
     """The plan of tiles that take next to nothing."""
     settings, header = replace(plan.settings, effort=1, steps=None), replace(plan.header, masked=None)
     return replace(plan, settings=settings, header=header).at(_LARGE_LMBDA, quality_index(_LARGE_LMBDA))
+
+
+def _was_jpeg(windows: Windows, plan: Plan, rects: Sequence[Rect]) -> bool:
+    """Whether these blocks were a JPEG file's that take fewer bits as such."""
+    if plan.header.sample_type != "uint8" or not plan.header.spec.texture:
+        return False
+    planes = (luma(windows.read(*rect).pixels) for rect in rects)
+    savings = [jpeg_saving(plane, grid) for plane in planes if (grid := jpeg_grid(plane)) is not None]
+    return len(savings) >= _JPEG_SHARE * len(rects) and sum(savings) > 0
+
+
+def _nearly_exact(plan: Plan, max_error: float) -> Plan:
+    """The plan of tiles that show what was a JPEG file so well that a layer has little to add to any sample."""
+    less = _ERROR_DOUBLING * math.log2(max(max_error, _EXACT_ERROR) / _EXACT_ERROR)
+    lmbda = replace(plan.settings, quality=max(1.0, _JPEG_QUALITY - less)).fit_settings().lmbda
+    return plan.at(lmbda, quality_index(lmbda))
 
 
 def _may_have(header: Header) -> bool:

@@ -41,7 +41,7 @@ class EncodeSettings:
 
     quality: float | None = None
     """1 to 100, by which λ follows in the default profile: 50, but with `max_error` as little as can be where exact
-    pixels show the picture at every scale.
+    pixels show the picture at every scale, and 98 or somewhat less where it was a JPEG file.
     """
     lmbda: float | None = None
     """λ itself: squared error, samples in 0..1, that one bit must save."""

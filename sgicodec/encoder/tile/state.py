@@ -16,9 +16,9 @@ from sgicodec.encoder.effort import Effort
 from sgicodec.encoder.input.nodata import OPAQUE, Bare, bare_samples, coded_samples, with_least_masks
 from sgicodec.encoder.plan import Plan
 from sgicodec.encoder.settings import EncodeSettings
-from sgicodec.encoder.tile.jpeg_grid import jpeg_grid
 from sgicodec.encoder.tile.restoration import Restorer, Strength
 from sgicodec.encoder.tile.texture_steps import TUNINGS, Masking, TextureTuning
+from sgicodec.metrics.jpeg_grid import jpeg_grid
 from sgicodec.metrics.masking_weights import masking_weights
 from sgicodec.metrics.psnr import luma
 from sgicodec.model.colours import to_channels
@@ -114,8 +114,8 @@ class Tile:
     """[H, W]: what squared errors count, None where all count the same."""
     masking: Masking
     """Of texture, for any steps."""
-    jpeg_grid: TextureGrid | None
-    """That of the JPEG file that it was once, None for none."""
+    jpeg_grid: tuple[int, int] | None
+    """That of the JPEG file that it was once (see `jpeg_grid`), None for none."""
     watch: Watch
     device: Device
 
@@ -247,7 +247,7 @@ class TileState(Prepared):
         lapped = self._search_of(left, LAPPED)
         if tile.jpeg_grid is None:
             return lapped
-        separate = self._search_of(left, tile.jpeg_grid)
+        separate = self._search_of(left, TextureGrid(True, *tile.jpeg_grid))
         price = tile.tuning.price(self.lmbda)
         before, after = (search.estimate(of._steps, price, of.step_offsets) for of, search in (lapped, separate))
         return separate if after < SEPARATE_COST * before else lapped

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 from data_files import crop
 from image_files import by_pillow
+from text_pages import text
 
 from sgicodec import EncodeSettings, Picture, encode_picture, read
 from sgicodec.decoder.stream import open_stream
 from sgicodec.encoder.tile import state
-from sgicodec.encoder.tile.jpeg_grid import jpeg_grid
+from sgicodec.metrics.jpeg_grid import jpeg_grid, jpeg_saving
 from sgicodec.metrics.psnr import luma, psnr
 from sgicodec.model.texture_symbols import LAPPED, TextureGrid
 
@@ -26,7 +29,7 @@ def was_jpeg(pixels: np.ndarray, quality: int, subsampling: int = 0) -> np.ndarr
 @pytest.mark.parametrize(("left", "top"), [(0, 0), (3, 5), (7, 1)])
 def test_the_grid_is_found_wherever_a_crop_begins(name: str, quality: int, left: int, top: int) -> None:
     pixels = was_jpeg(PHOTOS[name], quality, 2)[top:, left:]
-    assert jpeg_grid(luma(pixels)) == TextureGrid(True, left, top)
+    assert jpeg_grid(luma(pixels)) == (left, top)
 
 
 @pytest.mark.parametrize("name", PHOTOS)
@@ -61,3 +64,33 @@ def test_what_was_a_jpeg_takes_fewer_bytes(monkeypatch: pytest.MonkeyPatch) -> N
 
 def test_coarse_steps_do_not_follow_it() -> None:
     assert encoded(was_jpeg(PHOTOS["kodim13"], 92), 40)[2] == LAPPED
+
+
+@pytest.mark.parametrize("name", PHOTOS)
+@pytest.mark.parametrize("quality", [60, 90])
+def test_a_photograph_takes_fewer_bits_on_its_grid(name: str, quality: int) -> None:
+    plane = luma(was_jpeg(PHOTOS[name], quality)[3:, 2:])
+    saving = jpeg_saving(plane, (2, 3))
+    assert saving > 0.5 * plane.size
+    assert saving > jpeg_saving(plane, (6, 7)) + 0.5 * plane.size
+
+
+@pytest.mark.parametrize("quality", [None, 95])
+def test_text_does_not(quality: int | None) -> None:
+    page = text(320, 256)
+    assert jpeg_saving(luma(page if quality is None else was_jpeg(page, quality)), (0, 0)) < 0
+
+
+@pytest.mark.parametrize("max_error", [0, 4])
+def test_what_was_a_jpeg_takes_fewer_bytes_without_loss(max_error: int) -> None:
+    pixels = was_jpeg(PHOTOS["kodim13"], 85)[2:, 6:]
+
+    def size_of(**changes: Any) -> int:
+        settings = EncodeSettings(max_error=max_error, steps=60, **changes)
+        data = encode_picture(Picture(pixels, "rgb", (0.0, 255.0)), settings).data
+        with open_stream(data) as stream:
+            off = np.abs(stream.picture().pixels.astype(int) - pixels)
+        assert off.max() == max_error
+        return len(data)
+
+    assert size_of() < 0.9 * size_of(quality=50)
