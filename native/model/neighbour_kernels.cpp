@@ -87,12 +87,8 @@ inline bool is_wanted(const Queries &of, const int32_t *box) {
 
 // From one place to another, both packed.
 inline vi way(vi from, vi to) {
-#if defined(SGI_X86) && LANES == 16
-  return (vi)_mm512_sub_epi16((__m512i)to, (__m512i)from);
-#else
   using Halves = int16_t __attribute__((vector_size(LANES * 4)));
   return (vi)((Halves)to - (Halves)from);
-#endif
 }
 
 // Sorts the points of a leaf into the keys.

@@ -114,8 +114,8 @@ class Tile:
     """[H, W]: what squared errors count, None where all count the same."""
     masking: Masking
     """Of texture, for any steps."""
-    jpeg_grid: tuple[int, int] | None
-    """That of the JPEG file that it was once (see `jpeg_grid`), None for none."""
+    grids: tuple[TextureGrid, ...]
+    """Those of texture that are tried: of cells that lap over, and that of the JPEG file that it was, if it was one."""
     watch: Watch
     device: Device
 
@@ -177,8 +177,11 @@ def tile_of(
         unit[-1] = OPAQUE
         empty = None if empty is not None and empty.all() else empty  # a tile without a mask has a model
     seen = luma(unit.transpose(1, 2, 0), peak=1.0)
-    weights = masking_weights(seen, empty) if settings.tuned_for == "visual" else None
-    masking = Masking(TUNINGS[settings.tuned_for], seen, device)
+    is_visual = settings.tuned_for == "visual"
+    weights = masking_weights(seen, empty) if is_visual else None
+    grid = jpeg_grid(seen) if header.spec.texture else None
+    grids = (LAPPED,) if grid is None else (LAPPED, TextureGrid(True, *grid))
+    masking = Masking(TUNINGS[settings.tuned_for], seen if is_visual else None, device, grids)
     unit = np.tensordot(to_channels(header.spec).astype(np.float32), unit, axes=1)
     return Tile(
         picture,
@@ -194,7 +197,7 @@ def tile_of(
         bare,
         weights,
         masking,
-        jpeg_grid(seen) if header.spec.texture else None,
+        grids,
         Watch(listener or TileListener()),
         device,
     )
@@ -244,13 +247,12 @@ class TileState(Prepared):
         """
         tile = self.tile
         left = Objective(self.header, self.target, tile.device).decoded_residual(self.model)[:, :, : tile.unit.shape[2]]
-        lapped = self._search_of(left, LAPPED)
-        if tile.jpeg_grid is None:
-            return lapped
-        separate = self._search_of(left, TextureGrid(True, *tile.jpeg_grid))
+        searches = [self._search_of(left, grid) for grid in tile.grids]
+        if len(searches) == 1:
+            return searches[0]
         price = tile.tuning.price(self.lmbda)
-        before, after = (search.estimate(of._steps, price, of.step_offsets) for of, search in (lapped, separate))
-        return separate if after < SEPARATE_COST * before else lapped
+        lapped, separate = (search.estimate(self._steps, price, state.step_offsets) for state, search in searches)
+        return searches[1] if separate < SEPARATE_COST * lapped else searches[0]
 
     def _search_of(self, left: F32, grid: TextureGrid) -> tuple[TileState, TextureSearch]:
         """As `begin_texture`, for what seeds leave [C, H, W], on this grid."""

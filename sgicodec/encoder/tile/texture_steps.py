@@ -9,7 +9,9 @@ bits do more elsewhere.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -117,28 +119,37 @@ _BLOCKS = 2
 
 
 class Masking:
-    """Step offsets for a picture with this luma [H, W], 0 to 255; None for squared error, which has none.
+    """Step offsets for a picture with this luma [H, W], 0 to 255, None for squared error, which has none; on each of
+    these grids.
 
     They depend on the pixels near a superblock alone and on no mean, so that tiles look the same.
     """
 
-    def __init__(self, tuning: TextureTuning, luma: F64 | None, device: Device = ONE_THREAD) -> None:
-        self._power, self._device, self._plane = tuning.masking, device, luma
-        self._analyses: dict[TextureGrid, tuple[Offsets, RegularPatterns]] = {}
+    def __init__(
+        self,
+        tuning: TextureTuning,
+        luma: F64 | None,
+        device: Device = ONE_THREAD,
+        grids: Sequence[TextureGrid] = (LAPPED,),
+    ) -> None:
+        self._power, self._device, self._plane, self._grids = tuning.masking, device, luma, grids
 
     def offsets(self, steps: TextureSteps, grid: TextureGrid = LAPPED) -> Offsets | None:
-        """Step offsets [rows, columns] for these steps on this grid, None where they play no part."""
+        """Step offsets [rows, columns] for these steps on one of the grids, None where they play no part."""
         if not self._power:
             return None
-        if grid not in self._analyses:
-            self._analyses[grid] = self._analysis(grid)
         masked, patterns = self._analyses[grid]
         return _indices(masked - 4 * _finer(patterns, steps, masked))
 
-    def _analysis(self, grid: TextureGrid) -> tuple[Offsets, RegularPatterns]:
+    @cached_property
+    def _analyses(self) -> dict[TextureGrid, tuple[Offsets, RegularPatterns]]:
+        """Of each grid, looked for when they are needed first, which is not at the start of a fit."""
+        plane, self._plane = self._plane, None
+        assert plane is not None
+        return {grid: self._analysis(grid.layer_planes(plane, "symmetric")) for grid in self._grids}
+
+    def _analysis(self, plane: F64) -> tuple[Offsets, RegularPatterns]:
         """What masking says, and the patterns of each superblock [rows, columns, 16]."""
-        assert self._plane is not None
-        plane = grid.layer_planes(self._plane, "symmetric")
         octaves = 0.5 * self._power * np.log2((local_variance(plane / 255.0) + _FLOOR) / _USUAL)
         masked = _indices(4 * root_blocks(octaves).mean(axis=(1, 3)))
         patterns = regular_patterns(plane, self._device)
