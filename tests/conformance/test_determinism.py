@@ -44,7 +44,6 @@ def stream(data: bytes) -> Stream:
 
 def test_the_settings_of_texture_give_some(picture: Picture) -> None:
     texture = open_stream(encode_picture(picture, SETTINGS["texture"]).data).model.texture
-    assert texture is not None
     assert {3, 4, 5} <= set(texture.log_size.flat)
 
 

@@ -58,7 +58,6 @@ def test_pixels_are_what_the_page_says(streams: dict[str, bytes], name: str) -> 
         found = stream.render().transpose(2, 0, 1)
         with open_stream(unrestored(stream)) as plain:
             drawn = plain.render().transpose(2, 0, 1).astype(np.float64)
-    assert restoration is not None
     assert restoration.network == {"psnr": 1, "visual": 2, "own": another_network()}[name]
     channels = np.tensordot(into, drawn, axes=1)
     added = np.tensordot(back, corrected(channels, restoration.network, restoration.step), axes=1)

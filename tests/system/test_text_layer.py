@@ -126,7 +126,6 @@ def test_text_beside_a_photograph_at_a_target(mixed: Picture, target: dict[str, 
     measured = psnr(mixed.pixels / 255, found / 255)
     has = {"bytes": encoded.size, "psnr": measured, "score": ssimulacra2(mixed.pixels, found)}
     rate_target = settings.rate_target(1)
-    assert rate_target is not None
     assert rate_target.is_met(has[rate_target.quantity])
     assert encoded.psnr == pytest.approx(measured)
 

@@ -51,7 +51,6 @@ def test_help_is_small_and_help_all_is_not(command: str) -> None:
     shown, every = (set(re.findall(r"^  (?:-\w, )?(--[a-z0-9-]+)", text, re.MULTILINE)) for text in (small, whole))
     assert len(shown - {"--verbose", "--help", "--help-all"}) <= 10
     found = cli.get_command(click.Context(cli), command)
-    assert found is not None
     options = [param for param in found.params if isinstance(param, click.Option)]
     assert every == {option.opts[-1] for option in options} | {"--help", "--help-all"}
     assert f"sgi {command} --help-all shows {len(every - shown)} more options." in small

@@ -54,7 +54,6 @@ def test_pipes_are_read_once(shared: Path, tmp_path: Path, kind: str, tile: int)
         (tmp_path / "in").write_bytes(data)
     else:
         process = start("encode", "/dev/fd/0", target, *options)
-        assert process.stdin is not None
         process.stdin.write(data)
     _, errors = process.communicate(timeout=HANGS)
     assert process.returncode == 0, errors
@@ -84,9 +83,7 @@ def test_a_cluster_cannot_read_a_pipe(shared: Path, tmp_path: Path) -> None:
 def test_reader_of_a_pipe_goes_away(stream: Path, arguments: list[str]) -> None:
     command, *options = arguments
     process = start(command, stream, *options)
-    assert process.stdout is not None
     process.stdout.close()
-    assert process.stderr is not None
     complaint = process.stderr.read()
     assert (process.wait(HANGS), complaint) == (141, b"")
 
@@ -106,7 +103,6 @@ def test_any_locale_and_any_file_name(stream: Path) -> None:
 
 def test_interrupt_before_the_fit_writes_nothing(tmp_path: Path) -> None:
     process = start("encode", "-", tmp_path / "out.sgi")
-    assert process.stdin is not None
     process.stdin.write(bytes(1 << 21))  # more than a pipe holds: once written, the command is reading
     process.stdin.flush()
     process.send_signal(signal.SIGINT)

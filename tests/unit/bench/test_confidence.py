@@ -38,7 +38,6 @@ def test_savings_of_scaled_rates() -> None:
     factors = {"a": 0.5, "b": 0.8, "c": 0.7}
     tests = {name: Curve(RATES * factor, anchors[name].qualities) for name, factor in factors.items()}
     found = savings(anchors, tests, (-math.inf, 27.0))
-    assert found is not None
     assert (found.qualities[0], found.qualities[-1]) == pytest.approx((32 + 5 * math.log2(0.1), 27))
     assert found.percent == pytest.approx(100 * ((0.5 * 0.8 * 0.7) ** (1 / 3) - 1))
     assert np.all((found.low < found.percent) & (found.percent < found.high))

@@ -96,7 +96,6 @@ input()
 def test_processes_are_added_up(children: int) -> None:
     command = [sys.executable, "-c", PARENT, str(children)]
     with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE) as parent:
-        assert parent.stdout is not None
         parent.stdout.readline()
         assert len(list(family(parent.pid))) == 1 + children
         held = together(parent.pid)

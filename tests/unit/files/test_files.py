@@ -91,7 +91,6 @@ def test_folders_of_the_living_stay_and_those_of_the_dead_go(tmp_path: Path) -> 
     (tmp_path / ".sgicodec-other").mkdir()
     command = [sys.executable, "-c", HOLDS, str(tmp_path)]
     with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as process:
-        assert process.stdout is not None
         theirs = Path(process.stdout.readline().strip())
         with scratch_folder(tmp_path):
             assert (theirs / "part").exists()
@@ -124,7 +123,6 @@ def test_another_process_is_named(tmp_path: Path) -> None:
     holder = subprocess.Popen(
         [sys.executable, "-c", code], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env=environment
     )
-    assert holder.stdout is not None
     assert holder.stdout.readline() == "held\n"
     text = rf"out.sgi is being written by process {holder.pid} on .*, since "
     with pytest.raises(OutputLockedError, match=text), locked(out):

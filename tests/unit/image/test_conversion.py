@@ -77,7 +77,6 @@ def test_images_of_pillow_are_what_their_files_are() -> None:
     np.testing.assert_array_equal(picture.pixels, expected.pixels)
     assert picture.pixels.shape == (7, 5, 3)
     assert picture.metadata.icc == expected.metadata.icc is not None
-    assert picture.metadata.exif is not None
     assert b"a day out" in picture.metadata.exif
     inner = ifd.load(picture.metadata.exif)[ifd.EXIF_IFD]
     assert inner == {40962: ifd.Entry(3, b"\5\0"), 40963: ifd.Entry(3, b"\7\0")}

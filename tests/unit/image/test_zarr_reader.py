@@ -58,7 +58,6 @@ def test_channels_are_bands_with_names(version: str, tmp_path: Path) -> None:
     assert picture.channels == "multi"
     assert [facts.description for facts in band_facts(picture.metadata.geo, 3)] == ["DAPI", "<Cy3> &  ", None]
     stated = resolution(picture.metadata.geo, None)
-    assert stated is not None
     assert stated.microns == (0.25, 0.5)
 
 

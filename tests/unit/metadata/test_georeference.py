@@ -15,7 +15,6 @@ OBLONG = TIED | {33550: doubles(10, 20, 0)}
 
 def test_a_projected_picture() -> None:
     found = georeference(geo_of({**OBLONG, 34735: geo_keys(*PROJECTED), 34737: text(UTM)}), 100, 50)
-    assert found is not None
     assert (found.epsg, found.name, found.unit, found.rotated) == (32633, "WGS 84 / UTM zone 33N", "m", False)
     assert found.bounds == (5e5, 6e6 - 1000, 5e5 + 1000, 6e6)
     assert found.pixel_size == (10, 20)
@@ -25,7 +24,6 @@ def test_tie_points_may_be_centres() -> None:
     """PixelIsPoint: the tie point is the centre of the first pixel, so the picture reaches half a pixel further."""
     rows = [(1024, 0, 1, 2), (1025, 0, 1, 2), (2048, 0, 1, 4326)]
     found = georeference(geo_of({**OBLONG, 34735: geo_keys(*rows)}), 100, 50)
-    assert found is not None
     assert (found.epsg, found.name, found.unit) == (4326, None, "°")
     assert found.bounds == (5e5 - 5, 6e6 + 10 - 1000, 5e5 + 995, 6e6 + 10)
 
@@ -34,7 +32,6 @@ def test_tie_points_may_be_centres() -> None:
 def test_resolution_of_tags(unit: int, microns: float) -> None:
     tags = {282: rational(50800), 283: rational(25400), 296: shorts(unit)}
     for found in (resolution(geo_of(tags), None), resolution(None, exif_of({**tags}))):
-        assert found is not None
         assert found.microns == pytest.approx((microns, 2 * microns))
         assert found.stated == f"50800 × 25400 pixels per {'inch' if unit == 2 else 'cm'}"
 
@@ -42,5 +39,4 @@ def test_resolution_of_tags(unit: int, microns: float) -> None:
 def test_resolution_of_slides() -> None:
     aperio = text("Aperio Image Library v10.0.51|AppMag = 40|MPP = 0.2520|Left = 1")
     found = resolution(None, exif_of({270: aperio, 282: rational(1), 283: rational(1)}))
-    assert found is not None
     assert found.microns == (0.252, 0.252)

@@ -52,6 +52,5 @@ def test_metadata_comes(tmp_path: Path) -> None:
         assert (source.metadata.exif, source.metadata.xmp) == (blob, b"<x/>")
         assert source.notes == ()
         found = density.density(source.metadata.geo, None)
-    assert found is not None
     assert found.dpi == (300, 200)
     assert extract(psd(3, 3)[:30]).exif is None

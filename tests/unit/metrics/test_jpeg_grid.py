@@ -48,7 +48,6 @@ def encoded(pixels: np.ndarray, quality: int) -> tuple[int, float, TextureGrid]:
     data = encode_picture(Picture(pixels, "rgb", (0.0, 255.0)), settings).data
     with open_stream(data) as stream:
         texture = stream.model.texture
-        assert texture is not None
         return len(data), psnr(stream.picture().pixels, pixels), texture.grid
 
 

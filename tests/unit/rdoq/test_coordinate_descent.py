@@ -82,7 +82,6 @@ def test_same_result_for_any_number_of_threads() -> None:
 
 def test_seeds_outside_the_picture_do_no_harm() -> None:
     objective, model = stage()
-    assert model.attributes is not None
     attributes = {name: values.copy() for name, values in model.attributes.items()}
     attributes["offset"][::3] = 300.0
     attributes["shape"][::5] = [8.0, 0.0, 0.0]

@@ -59,7 +59,6 @@ def test_fine_steps_show_all_up_to_the_edges(residual: np.ndarray, width: int, h
     """Wherever a tile ends: in the middle of a root, of a cell, or where cells of 8 pixels end."""
     part = np.ascontiguousarray(residual[:, :height, :width])
     layer = TextureSearch(part, grid=grid).at(TextureSteps(140, SAME), 1e-3, None)
-    assert layer is not None
     error = np.abs(part - layer.draw())
     assert error.max() < 1.5 * TextureSteps(140, SAME).of_channels.max()
 
@@ -151,7 +150,6 @@ def test_amplitudes_move_up_a_gradient_by_a_part_of_their_steps(
         for _ in range(times):
             search.move(gradient, steps, None, mean, most)
         layer = search.at(fine, 0.0)
-        assert layer is not None
         return layer.draw()
 
     still, once = moved(1, 0), moved(1)
@@ -188,14 +186,12 @@ def test_given_cells_are_taken_but_for_those_without_symbols(residual: np.ndarra
     best = search.at(steps, PRICE)
     assert best is not None
     again = search.at(steps, PRICE, blocks=best)
-    assert again is not None
     assert np.array_equal(again.log_size, best.log_size)
     bits = [payload_of(layer)[1] for layer in (best, again)]
     costs = [squared_error(residual, layer) / steps.of_channels[0] ** 2 for layer in (best, again)]
     assert costs[1] + PRICE * bits[1] == pytest.approx(costs[0] + PRICE * bits[0], rel=0.01)
 
     coarse = search.at(TextureSteps(420, SAME), PRICE, blocks=best)
-    assert coarse is not None
     left = coarse.log_size > 0
     assert 0 < left.sum() < (best.log_size > 0).sum()
     assert np.array_equal(coarse.log_size[left], best.log_size[left])

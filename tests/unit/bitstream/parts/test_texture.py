@@ -89,7 +89,6 @@ def found() -> TextureSymbols:
     planes = np.ascontiguousarray(pixels.transpose(2, 0, 1))
     search = TextureSearch(planes - planes.mean(axis=(1, 2), keepdims=True), ONE_THREAD)
     layer = search.at(TextureSteps(350, (18, 18), (2, 3)), 0.11)
-    assert layer is not None
     assert (layer.symbols != 0).sum() > 1000
     return layer
 
@@ -241,5 +240,4 @@ def test_any_bytes_are_a_layer_or_refused(first: int, payload: bytes, channels: 
         layer = read_texture(reader, (width, height), channels)
     except CorruptStreamError:
         return
-    assert layer is not None
     assert_same(read_back(payload_of(layer, layer.size, channels), layer.size, channels), layer)

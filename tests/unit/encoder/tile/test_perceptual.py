@@ -51,7 +51,6 @@ class Case:
     def rounded(self, blocks: TextureSymbols) -> NDArray[np.int16]:
         """The symbols of these blocks that are nearest to what is looked for, whatever they cost."""
         layer = self.search.at(TUNING.steps(self.step, 3), 0.0, self.offsets, blocks)
-        assert layer is not None
         return layer.symbols
 
     def ascend(self, passes: int) -> list[float]:
@@ -128,7 +127,6 @@ def test_other_channels_than_three(channels: int) -> None:
 
     def score() -> float:
         layer = search.at(steps, TUNING.squared_steps)
-        assert layer is not None
         return VisualReference(unit, ONE_THREAD).score(0.5 + np.tensordot(back, layer.draw(), axes=1))
 
     before = score()

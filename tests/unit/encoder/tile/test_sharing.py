@@ -30,7 +30,6 @@ def shared(pixels: np.ndarray, channels: Any = "rgb", **settings: Any) -> Prepar
 
 def test_texture_counts_little_and_lines_count_much() -> None:
     weights = shared(half_texture()).weights
-    assert weights is not None
     assert weights.shape == (128, 256)
     assert weights[:, :96].max() < 0.15
     assert weights[:, 160:].mean() > max(0.35, 8 * weights[:, :96].mean())
@@ -40,7 +39,6 @@ def test_texture_counts_little_and_lines_count_much() -> None:
 def test_without_work_for_texture_seeds_count_in_full() -> None:
     ground = 120 + np.random.default_rng(2).integers(0, 3, (96, 160, 3))
     weights = shared(ground.astype(np.uint8)).weights
-    assert weights is not None
     assert weights.min() > 0.95
 
 

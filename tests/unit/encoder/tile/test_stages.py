@@ -41,7 +41,6 @@ def test_what_a_search_learns_stays_with_it() -> None:
     """An ascent moves what its own search looks for, and the offsets of the state that it returns."""
     tile = tile_for("visual")
     state, _ = fit_seeds(tile).begin_texture()
-    assert state.step_offsets is not None
     before = state.step_offsets.copy()
     texture(state)
     np.testing.assert_array_equal(state.step_offsets, before)

@@ -99,7 +99,6 @@ def test_a_kill_at_any_moment_keeps_what_was_added(tmp_path: Path) -> None:
     """Of a process that does nothing but write."""
     path = tmp_path / "part"
     with subprocess.Popen([sys.executable, "-c", KILLED, str(path)], stdout=subprocess.PIPE, text=True) as process:
-        assert process.stdout is not None
         while int(process.stdout.readline()) < 20:
             pass
         process.kill()
