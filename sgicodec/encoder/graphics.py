@@ -90,17 +90,12 @@ def with_graphics(windows: Windows, plan: Plan) -> Division:
     settings, header = plan.settings, plan.header
     asked = settings.max_error
     is_quality = "quality" in settings.chosen_profile.scales and settings.lmbda is None and settings.target is None
-    is_below_asked = asked is not None and settings.quality is not None
-    if not is_quality or is_below_asked or not _may_have(header):
-        return Division(windows, plan, None if asked is None else Layer(windows, asked))
     rects = list(block_rects(header))
     sample = _some(rects)
     if asked is not None:
-        if _was_jpeg(windows, plan, sample):
-            return Division(windows, _nearly_exact(plan, asked), Layer(windows, asked))
-        if not _repeats(windows, sample).are_usual:
-            return Division(windows, plan, Layer(windows, asked))
-        return Division(windows, _above_nothing(plan), Layer(windows, asked, exact_views=True))
+        return _below(windows, plan, asked, sample if is_quality and settings.quality is None else ())
+    if not is_quality or not _may_have(header):
+        return Division(windows, plan)
     if header.sample_type == "float32":
         return Division(windows, plan)
     seen = without_unseen_colours(windows)
@@ -116,6 +111,15 @@ def with_graphics(windows: Windows, plan: Plan) -> Division:
     return replace(
         division, exact=ExactDivision(seen, _above_nothing(plan), layer, None, sample, parts, repeats.others / parts)
     )
+
+
+def _below(windows: Windows, plan: Plan, max_error: float, rects: Sequence[Rect]) -> Division:
+    """A layer that was asked for and what is below it, judged by these blocks; none where its quality was asked for."""
+    if rects and _was_jpeg(windows, plan, rects):
+        return Division(windows, _nearly_exact(plan, max_error), Layer(windows, max_error))
+    if rects and _may_have(plan.header) and _repeats(windows, rects).are_usual:
+        return Division(windows, _above_nothing(plan), Layer(windows, max_error, exact_views=True))
+    return Division(windows, plan, Layer(windows, max_error))
 
 
 def _repeats(windows: Windows, rects: Sequence[Rect]) -> Repeats:
