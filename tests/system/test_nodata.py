@@ -5,10 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from data_files import crop
+from surgery import flipped
 from tags import TIED, geo_of, text
 
 from sgicodec import EncodeSettings, Picture, encode_picture
 from sgicodec.decoder.stream import open_stream
+from sgicodec.errors import CorruptStreamError
 from sgicodec.metadata.placement import view as geo_view
 from sgicodec.picture import Metadata, nodata_mask
 
@@ -109,3 +111,10 @@ def test_places_and_holes_follow_the_view(
     rows = np.floor(20 + (np.arange(shown.height) + 0.5) / sy).astype(int)
     columns = np.floor(40 + (np.arange(shown.width) + 0.5) / sx).astype(int)
     np.testing.assert_array_equal(nodata_mask(shown), hole[rows[:, None], columns])
+
+
+def test_a_mask_that_lies_is_refused(pixels: np.ndarray, hole: np.ndarray) -> None:
+    data = encode_picture(holed(pixels, hole, 0, b"0"), settings(128)).data
+    for at in range(len(data) - 200, 60, -97):
+        with pytest.raises(CorruptStreamError):
+            open_stream(flipped(data, 8 * at + 2)).picture()

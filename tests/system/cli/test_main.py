@@ -22,11 +22,12 @@ from sgicodec.fit.trainer import Progress
 from sgicodec.version import __version__
 
 
-def test_help_lists_commands() -> None:
-    """And exit codes, as docs/cli.md has them: test_docs.py."""
+def test_help_lists_commands_and_exit_codes() -> None:
     result = done("--help")
     for name in ("encode", "decode", "info", "verify", "compare", "bench", "completion"):
         assert f"\n  {name} " in result.stdout
+    codes = [line.split()[0] for line in result.stdout.split("Exit codes:\n")[1].splitlines()]
+    assert codes == ["0", "1", "2", "3", "4", "5", "6", "130", "141"]
     assert sgi("-h").stdout == result.stdout
 
 

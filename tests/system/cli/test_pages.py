@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import tifffile
-from command import done
+from command import done, refused
 
 import sgicodec
 
@@ -39,3 +39,8 @@ def test_workers_read_the_same_page(stack: Path, tmp_path: Path) -> None:
     done("encode", stack, tmp_path / "b.sgi", *options, "--cluster", "local:1")
     assert nearest(tmp_path / "b.sgi") == 2
     assert (tmp_path / "a.sgi").read_bytes() == (tmp_path / "b.sgi").read_bytes()
+
+
+def test_a_page_that_is_not_there(stack: Path) -> None:
+    line = refused(2, "encode", stack, "--page", 4)
+    assert line == "sgi: there is no page 4; the picture has 3 pages, counted from 1\n"

@@ -1,10 +1,15 @@
-"""Boxes of AVIF: what they say of the primary picture (tests/system/test_damaged_pictures.py has any bytes)."""
+"""Boxes of AVIF: what they say of the primary picture; any bytes are read or refused."""
 
 from __future__ import annotations
 
 import struct
+from contextlib import suppress
 
+import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from image_files import by_pillow
 
 from sgicodec.errors import PictureError
 from sgicodec.metadata.avif import Still, still
@@ -20,6 +25,9 @@ SIZE = box(b"ispe", bytes(4), struct.pack(">II", 60, 40))
 
 def configuration(flags: int) -> bytes:
     return box(b"av1C", bytes([0x81, 0, flags, 0]))
+
+
+REAL = by_pillow(np.zeros((6, 8, 3), np.uint8), "AVIF", speed=10)
 
 
 def crop(*fields: int) -> bytes:
@@ -70,3 +78,11 @@ def test_crop_and_turn() -> None:
 def test_what_is_not_read_is_refused(properties: tuple[bytes, ...], complaint: str) -> None:
     with pytest.raises(PictureError, match=complaint):
         still(file(*properties))
+
+
+@given(at=st.integers(0, 400), value=st.integers(0, 255))
+def test_any_byte_may_be_wrong(at: int, value: int) -> None:
+    data = bytearray(REAL)
+    data[at % len(data)] = value
+    with suppress(PictureError):
+        assert still(bytes(data)).bits in (8, 10, 12)

@@ -6,7 +6,7 @@ import os
 import subprocess
 import sys
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
@@ -38,7 +38,7 @@ def opened(path: Path, mark: bytes = MARK, resume: bool = True, force: bool = Fa
 @contextmanager
 def until_interrupted(path: Path, resume: bool = False) -> Iterator[Checkpoint]:
     """Presses Ctrl-C at the end of the block."""
-    with suppress(KeyboardInterrupt), opened(path, resume=resume) as checkpoint:
+    with pytest.raises(KeyboardInterrupt), opened(path, resume=resume) as checkpoint:  # noqa: PT012
         yield checkpoint
         raise KeyboardInterrupt
 
