@@ -240,7 +240,7 @@ void draw_texture(LogSizes log_size, Contrasts contrast, SymbolPlanes symbols, A
   const sgi::TextureSteps all = steps_of(steps, slope);
   const sgi::TextureGrid grid = grid_of(indices);
   TextureField field = field_of(log_size, contrast, symbols);
-  require_field(field, {width + grid.left, height + grid.top});
+  require_field(field, grid.layer_sides(width, height));
   const nb::gil_scoped_release release;
   field.find_extents();
   sgi::TextureCells cells;

@@ -56,11 +56,6 @@ TextureColours read_colours(SymbolReader &reader) {
   return colours;
 }
 
-// Pixels of a layer: those of its tile, and those before it.
-std::pair<int64_t, int64_t> layer_sides(const TextureIndices &indices, int64_t width, int64_t height) {
-  return {width + indices.grid.left, height + indices.grid.top};
-}
-
 void read_layer(SymbolReader &reader, const TextureIndices &indices, std::pair<int64_t, int64_t> sides,
                 TextureField &field, TextureDequantizer *cells, const RowsRead &rows_read) {
   const double before = reader.decoder().content();
@@ -100,14 +95,14 @@ std::optional<TextureIndices> read_texture_indices(SymbolReader &reader, int64_t
     if (channels < 3) throw Error(Fault::corrupt, "texture: colours of " + std::to_string(channels) + " channels");
     indices.colours = read_colours(reader);
   }
-  const auto sides = layer_sides(indices, width, height);
+  const auto sides = indices.grid.layer_sides(width, height);
   check_texture(channels, sides.first, sides.second, memory);
   return indices;
 }
 
 CodedTexture read_texture_layer(SymbolReader &reader, TextureIndices indices, int64_t width, int64_t height,
                                 int channels) {
-  const auto sides = layer_sides(indices, width, height);
+  const auto sides = indices.grid.layer_sides(width, height);
   TextureField field = empty_field(sides.first, sides.second, channels);
   read_layer(reader, indices, sides, field, nullptr, nullptr);
   return {std::move(indices), std::move(field)};
@@ -115,7 +110,7 @@ CodedTexture read_texture_layer(SymbolReader &reader, TextureIndices indices, in
 
 void read_texture_cells(SymbolReader &reader, const TextureIndices &indices, int64_t width, int64_t height,
                         int channels, TextureCells &cells, const TextureRows &rows_read) {
-  const auto sides = layer_sides(indices, width, height);
+  const auto sides = indices.grid.layer_sides(width, height);
   TextureField field = empty_field(sides.first, sides.second, channels, KeptSymbols::last_rows);
   TextureDequantizer dequantizer(indices.steps(), indices.added(), indices.colours, cells);
   cells.reserve(field);

@@ -1,5 +1,7 @@
-// Where the cells of a texture layer lie (docs/format.md, "Grid of texture").
+// Where the cells of a texture layer lie (docs/format.md, "Texture").
 #pragma once
+#include <cstdint>
+#include <utility>
 
 namespace sgi {
 
@@ -10,6 +12,9 @@ constexpr int kTextureGridSteps = 8;  // pixels after which a grid is the same
 struct TextureGrid {
   bool separate = false;
   int left = 0, top = 0;  // 0 ... kTextureGridSteps - 1, 0 unless separate
+
+  // Width and height of the layer of a tile: its pixels, and those before it.
+  std::pair<int64_t, int64_t> layer_sides(int64_t width, int64_t height) const { return {width + left, height + top}; }
 };
 
 }  // namespace sgi

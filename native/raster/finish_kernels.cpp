@@ -26,9 +26,8 @@ inline vf load_part(const float *values, int64_t count) {
 // What samples of type T stand for, within its range: a range that is mapped to is.
 template <class T>
 inline vf ranged(vf row, const Samples &s, int channel) {
-  constexpr bool kIsFloat = T(0.5f) != 0;
   if (s.clip) return mapped(row, s.low[channel], s.span[channel]);
-  return kIsFloat ? row : clipped(row, float(T(-1)));
+  return kIsFloat<T> ? row : clipped(row, float(T(-1)));
 }
 
 inline vi integers(vf row) { return __builtin_convertvector(rounded(row), vi); }

@@ -17,6 +17,9 @@ inline Row rounded(Row value) {
   return (value + kMagic) - kMagic;
 }
 
+template <class T>
+constexpr bool kIsFloat = T(0.5f) != 0;
+
 // The sample that stands for a value.
 template <class Row>
 inline Row mapped(Row value, float low, float span) {
@@ -26,8 +29,7 @@ inline Row mapped(Row value, float low, float span) {
 // It in type T: rounded to the range of an integer, as it is for a float.
 template <class T>
 inline T stored(float sample) {
-  constexpr bool kIsFloat = T(0.5f) != 0;
-  return T(kIsFloat ? sample : rounded(clipped(sample, float(T(-1)))));
+  return T(kIsFloat<T> ? sample : rounded(clipped(sample, float(T(-1)))));
 }
 
 }  // namespace

@@ -115,9 +115,17 @@ def with_graphics(windows: Windows, plan: Plan) -> Division:
 
 def _below(windows: Windows, plan: Plan, max_error: float, rects: Sequence[Rect]) -> Division:
     """A layer that was asked for and what is below it, judged by these blocks; none where its quality was asked for."""
-    if rects and _was_jpeg(windows, plan, rects):
+    header, repeats = plan.header, Repeats()
+    savings: list[float] = []  # of blocks of a JPEG file
+    for rect in rects:
+        pixels = windows.read(*rect).pixels
+        repeats.see(pixels)
+        plane = luma(pixels)
+        if header.sample_type == "uint8" and (grid := jpeg_grid(plane)) is not None:
+            savings.append(jpeg_saving(plane, grid))
+    if header.spec.texture and len(savings) >= _JPEG_SHARE * len(rects) and sum(savings) > 0:
         return Division(windows, _nearly_exact(plan, max_error), Layer(windows, max_error))
-    if rects and _may_have(plan.header) and _repeats(windows, rects).are_usual:
+    if _may_have(header) and repeats.are_usual:
         return Division(windows, _above_nothing(plan), Layer(windows, max_error, exact_views=True))
     return Division(windows, plan, Layer(windows, max_error))
 
@@ -184,15 +192,6 @@ def _above_nothing(plan: Plan) -> Plan:
     """The plan of tiles that take next to nothing."""
     settings, header = replace(plan.settings, effort=1, steps=None), replace(plan.header, masked=None)
     return replace(plan, settings=settings, header=header).at(_LARGE_LMBDA, quality_index(_LARGE_LMBDA))
-
-
-def _was_jpeg(windows: Windows, plan: Plan, rects: Sequence[Rect]) -> bool:
-    """Whether these blocks were a JPEG file's that take fewer bits as such."""
-    if plan.header.sample_type != "uint8" or not plan.header.spec.texture:
-        return False
-    planes = (luma(windows.read(*rect).pixels) for rect in rects)
-    savings = [jpeg_saving(plane, grid) for plane in planes if (grid := jpeg_grid(plane)) is not None]
-    return len(savings) >= _JPEG_SHARE * len(rects) and sum(savings) > 0
 
 
 def _nearly_exact(plan: Plan, max_error: float) -> Plan:

@@ -134,8 +134,8 @@ class TextureSearch:
 
     def estimate(self, steps: TextureSteps, squared_steps: float, offsets: NDArray[np.int8] | None) -> float:
         """What the best layer costs about, error and bits together, in squared steps; the others: see `at`."""
-        steps_of_channels = steps.of_channels, steps.growth
-        return self._amplitudes.estimate(self._offsets(offsets), *steps_of_channels, squared_steps, steps.has_contrast)
+        shown, channels, slope = self._offsets(offsets), steps.of_channels, steps.growth
+        return self._amplitudes.estimate(shown, channels, slope, squared_steps, steps.has_contrast)
 
     def _search(
         self,

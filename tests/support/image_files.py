@@ -13,9 +13,9 @@ import OpenImageIO as oiio
 import tifffile
 from PIL import Image, ImageCms
 
-from sgicodec import Picture, open_source, write
+from sgicodec import Picture, open_source, read, write
 
-__all__ = ["SRGB", "by_pillow", "by_tifffile", "noise", "notes_of", "packed", "save", "window_rows"]
+__all__ = ["SRGB", "by_pillow", "by_tifffile", "noise", "notes_of", "packed", "save", "was_jpeg", "window_rows"]
 
 SRGB = ImageCms.ImageCmsProfile(ImageCms.createProfile("sRGB")).tobytes()
 """An ICC profile."""
@@ -41,6 +41,11 @@ def by_pillow(image: np.ndarray | Image.Image, format: str, **options: Any) -> b
     file = io.BytesIO()
     (image if isinstance(image, Image.Image) else Image.fromarray(image)).save(file, format, **options)
     return file.getvalue()
+
+
+def was_jpeg(pixels: np.ndarray, quality: int, subsampling: int = 0) -> np.ndarray:
+    """Pixels as a JPEG file keeps them."""
+    return read(by_pillow(pixels, "JPEG", quality=quality, subsampling=subsampling)).pixels
 
 
 def by_tifffile(samples: np.ndarray, **options: Any) -> bytes:

@@ -21,7 +21,7 @@ class _Script(Bits):
         self.bits: list[int] = []
         self.ones: list[int] = []
         self.fields: list[tuple[int, int]] = []
-        self.flags = [int(has_contrast)]  # then cells that lap over
+        self.flags = iter([1, int(has_contrast), 0])  # there is texture; whether it has contrasts; cells lap over
         self.noted: list[int] = []
 
     def bit(self, one: int) -> int:
@@ -30,10 +30,7 @@ class _Script(Bits):
         return self.bits[-1]
 
     def raw(self, n_bits: int) -> int:
-        first = 1, self.models  # there is texture, of these models
-        value = first[len(self.fields)] if len(self.fields) < 2 else 0
-        if n_bits == 1 and len(self.fields) > 2 and self.flags:
-            value = self.flags.pop()
+        value = next(self.flags) if n_bits == 1 else self.models if len(self.fields) == 1 else 0
         self.fields.append((value, n_bits))
         return value
 

@@ -9,7 +9,15 @@ import numpy as np
 from sgicodec._native import SymbolReader
 from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
 from sgicodec.bitstream.parts.texture import layer_of, write_texture
-from sgicodec.model.texture_symbols import MIN_LOG, ROOT_LOG, TextureGrid, TextureSteps, TextureSymbols, roots_of
+from sgicodec.model.texture_symbols import (
+    LAPPED,
+    MIN_LOG,
+    ROOT_LOG,
+    TextureGrid,
+    TextureSteps,
+    TextureSymbols,
+    roots_of,
+)
 
 
 def random_cells(width: int, height: int, seed: int, share: float) -> tuple[np.ndarray, np.ndarray]:
@@ -40,7 +48,7 @@ def random_symbols(channels: int, width: int, height: int, seed: int = 0, most: 
     magnitudes up to `most`.
     """
     rng = np.random.default_rng(seed)
-    grid = TextureGrid(bool(seed % 2), *(seed // 2 % 64 // part % 8 * (seed % 2) for part in (1, 8)))
+    grid = TextureGrid(True, seed // 2 % 8, seed // 16 % 8) if seed % 2 else LAPPED
     size = width, height
     width, height = grid.layer_size(size)
     columns, rows = roots_of(width, height)

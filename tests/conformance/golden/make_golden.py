@@ -12,12 +12,10 @@ import json
 import sys
 from collections.abc import Callable
 from dataclasses import replace
-from io import BytesIO
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from PIL import Image
 
 from sgicodec import EncodeSettings, Picture, encode_picture, read
 from sgicodec.bitstream.header import Header
@@ -30,6 +28,7 @@ from sgicodec.rdoq.objective import with_values
 HERE = Path(__file__).parent
 sys.path += [str(HERE.parents[1] / "support"), str(HERE.parents[2])]
 
+from image_files import was_jpeg  # noqa: E402
 from restoration_reader import another_network  # noqa: E402
 from surgery import join, split  # noqa: E402
 from textures import random_symbols  # noqa: E402
@@ -109,21 +108,14 @@ def pictures() -> dict[str, tuple[Picture, EncodeSettings]]:
         "multi16-held-lossless": (held_bands(), replace(quick, max_error=0)),
         "rgb8-page-lossless": (page(), EncodeSettings(max_error=0)),
         "rgb8-boxes-mixed": (boxes_of_text(forest), replace(luma, quality=30)),
-        "rgb8-jpeg": (Picture(was_jpeg(forest)[3:, 5:], "rgb", (0.0, 255.0)), replace(luma, quality=90)),
+        "rgb8-jpeg": (Picture(was_jpeg(forest, 75)[3:, 5:], "rgb", (0.0, 255.0)), replace(luma, quality=90)),
         "rgb8-tiles-jpeg": (
-            Picture(np.hstack([was_jpeg(forest)[:, :96], forest[:, 96:]]), "rgb", (0.0, 255.0)),
+            Picture(np.hstack([was_jpeg(forest, 75)[:, :96], forest[:, 96:]]), "rgb", (0.0, 255.0)),
             replace(restored_psnr, quality=85, tile=100, overview=True),
         ),
         "gray16-any-separate": (Picture(grey[..., None], "gray", (0.0, 65535.0)), textured),
         "one-pixel": (Picture(small[:1, :1], "rgb", (0.0, 255.0)), quick),
     }
-
-
-def was_jpeg(pixels: np.ndarray) -> np.ndarray:
-    """Pixels as a JPEG file keeps them."""
-    file = BytesIO()
-    Image.fromarray(pixels).save(file, "JPEG", quality=75, subsampling=0)
-    return np.array(Image.open(file))
 
 
 def drawing() -> Picture:
