@@ -35,7 +35,7 @@ _PUBLISHED = ("coolchic5",)
 _CODECS = ("sgi", *_PEERS, *_PUBLISHED)
 _FILE = click.Path(path_type=Path)
 _SCHEMA = 1
-"""Of what `compare --json` prints: grows when a key goes or changes its meaning."""
+"""Of what `--json` prints, and of summary.json: grows when a key goes or changes its meaning."""
 _PERCEIVED = {
     "ssimulacra2": ("SSIMULACRA 2", 2),
     "butteraugli": ("Butteraugli 3-norm", 3),
@@ -154,7 +154,7 @@ def _measure_curves(
 
     drawn = [PUBLISHED[name] for name in published]
     summary = run_bench(pictures, codecs, out, published=drawn, cache=cache, report=_report)
-    text = json.dumps(summary.to_json(at_score), indent=2)
+    text = json.dumps({"schema": _SCHEMA} | summary.to_json(at_score), indent=2)
     (out / "summary.json").write_text(text + "\n", "utf-8")
     if plots:
         write_plots(summary, out)
@@ -189,7 +189,7 @@ def _measure_lossless(
     chosen += [PEERS[name] for name in wanted if name != "sgi"]
     rows, failures = measure_lossless(_pictures(places), chosen, errors, out, _report)
     if as_json:
-        click.echo(json.dumps([dataclasses.asdict(row) for row in rows], indent=2))
+        click.echo(json.dumps({"schema": _SCHEMA, "rows": [dataclasses.asdict(row) for row in rows]}, indent=2))
     elif rows:
         print_lossless(rows, Console())
     _check_failures(failures)

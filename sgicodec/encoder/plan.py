@@ -185,9 +185,14 @@ def _check_model(spec: ModelSpec, grid: TileGrid) -> None:
 def _software(settings: EncodeSettings, fit: FitSettings) -> bytes:
     """What chunk `s` says."""
     scales = settings.chosen_profile.scales
-    asked = settings.target_label or (
-        f"q{settings.chosen_quality:g}" if "quality" in scales and settings.lmbda is None else f"l{fit.lmbda:g}"
-    )
+    if settings.target_label:
+        asked = settings.target_label
+    elif settings.lmbda is not None or "quality" not in scales:
+        asked = f"l{fit.lmbda:g}"
+    elif settings.quality is None and settings.max_error is not None:
+        asked = f"max-error{settings.max_error:g}" if settings.max_error else "lossless"
+    else:
+        asked = f"q{settings.chosen_quality:g}"
     took = f"e{settings.effort}" if "effort" in scales and settings.steps is None else f"n{fit.steps}"
     asked += f" {settings.tuned_for}" if settings.chosen_profile.has_tunings else ""
     return f"{__version__} {asked} {took}".encode()

@@ -91,7 +91,7 @@ def test_the_command_measures_files_once(tmp_path: Path) -> None:
     arguments = [str(source), "--lossless", "--max-error", "9", "--codecs", "sgi,jpegls", "--efforts", "1", "--json"]
     first = CliRunner().invoke(bench, [*arguments, "--out", str(out)])
     assert first.exit_code == 0, first.exception
-    rows = [LosslessRow(**row) for row in json.loads(first.stdout)]
+    rows = [LosslessRow(**row) for row in json.loads(first.stdout)["rows"]]
     assert [(row.codec, row.max_error) for row in rows] == [
         ("sgi-e1", 0), ("jpegls", 0), ("sgi-e1", 9), ("jpegls", 9)
     ]  # fmt: skip
