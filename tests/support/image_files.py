@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 import OpenImageIO as oiio
-import tifffile
 from PIL import Image, ImageCms
 
 from sgicodec import Picture, open_source, read, write
@@ -50,6 +49,8 @@ def was_jpeg(pixels: np.ndarray, quality: int, subsampling: int = 0) -> np.ndarr
 
 def by_tifffile(samples: np.ndarray, **options: Any) -> bytes:
     """The file that tifffile makes of samples."""
+    import tifffile  # an extra, which what tries a wheel does without
+
     file = io.BytesIO()
     tifffile.imwrite(file, samples, **options)
     return file.getvalue()

@@ -81,10 +81,9 @@ def main() -> int:
         shutil.copy(TESTS.parent / "pyproject.toml", folder)
 
         def python(*arguments: str) -> str:
-            done = subprocess.run(
-                [sys.executable, *arguments], cwd=folder, stdout=subprocess.PIPE, text=True, check=True
-            )
+            done = subprocess.run([sys.executable, *arguments], cwd=folder, stdout=subprocess.PIPE, text=True)
             print(done.stdout, end="", flush=True)
+            done.check_returncode()
             return done.stdout
 
         try:

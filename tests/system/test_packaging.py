@@ -14,6 +14,7 @@ from pathlib import Path
 
 import pytest
 from data_files import GOLDEN, ROOT
+from installed import CHOSEN
 from PIL import Image
 
 SHARE = ROOT / "share"
@@ -68,6 +69,14 @@ def test_the_sdist_has_what_a_build_needs(sdist: dict[str, int]) -> None:
     ):
         needed |= {path.relative_to(ROOT).as_posix() for path in (ROOT / folder).rglob(pattern) if path.is_file()}
     assert needed - set(sdist) == set()
+
+
+def test_what_tries_a_wheel_needs_no_extra() -> None:
+    places = [ROOT / "tests" / name for name in CHOSEN]
+    files = [str(file) for place in places for file in (place.glob("test_*.py") if place.is_dir() else [place])]
+    without = "sys.modules.update(dict.fromkeys(['tifffile', 'imagecodecs', 'rasterio', 'zarr', 'torch']))"
+    code = f"import runpy, sys; {without}; sys.path += ['.', 'tests/support']; [*map(runpy.run_path, {files})]"
+    subprocess.run([sys.executable, "-c", code], cwd=ROOT, check=True)
 
 
 def test_recipes_have_the_version_and_the_dependencies_of_the_package() -> None:
