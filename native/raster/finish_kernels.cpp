@@ -1,5 +1,5 @@
 // Finishing in vectors of LANES pixels.
-#ifdef __SSSE3__
+#ifdef SGI_X86
 #include <immintrin.h>
 #endif
 
@@ -32,10 +32,23 @@ inline vf ranged(vf row, const Samples &s, int channel) {
 
 inline vi integers(vf row) { return __builtin_convertvector(rounded(row), vi); }
 
-inline void convert(vf row, uint8_t *to) {
-  const Bytes samples = __builtin_convertvector(integers(row), Bytes);
-  __builtin_memcpy(to, &samples, sizeof samples);
+// Of integers that are bytes: g++ takes them apart one by one where there are no instructions of AVX-512.
+inline void store_bytes(vi values, uint8_t *to) {
+#if defined(SGI_X86) && LANES < 16
+#if LANES == 8
+  const auto low = _mm256_castsi256_si128((__m256i)values), high = _mm256_extracti128_si256((__m256i)values, 1);
+  const __m128i words = _mm_packs_epi32(low, high);
+#else
+  const __m128i words = _mm_packs_epi32((__m128i)values, (__m128i)values);
+#endif
+  const __m128i samples = _mm_packus_epi16(words, words);
+#else
+  const Bytes samples = __builtin_convertvector(values, Bytes);
+#endif
+  __builtin_memcpy(to, &samples, LANES);
 }
+
+inline void convert(vf row, uint8_t *to) { store_bytes(integers(row), to); }
 
 inline void convert(vf row, uint16_t *to) {
   const Words samples = __builtin_convertvector(integers(row), Words);
