@@ -20,7 +20,6 @@ constexpr float kLastWorth = 0.6f;  // those beyond the last of which nothing is
 
 // What a state may be followed by, for symbols of either parity: the best symbol, and by how much the cost grows.
 struct Offer {
-  NearMagnitudes near;
   std::array<float, 2> cost;
   std::array<int16_t, 2> symbol;
 };
@@ -82,18 +81,15 @@ class Trellis {
   void advance() {
     now_.any.fill(false);
     for (int state = 0; state < kStates; ++state)
-      if (now_.cost[state] < kImpossible) known_[now_.known[state]].advance();
+      if (is_alive(state)) known_[now_.known[state]].advance();
   }
 
   // Goes on to the next symbol. scaled: |amplitude| in steps.
   void add(const Frequency &at, float scaled) {
     const SymbolPlace place = context_.place(at);
-    Offers offers{};
-    for (int state = 0; state < kStates; ++state)
-      offers[state] = now_.cost[state] < kImpossible ? &offer_to(state, offers, place, at.u, scaled) : nullptr;
     Moves &moves = moves_[count_++];
     Survivors next;
-    for (int state = 0; state < kHalf; ++state) follow(state, offers, at.u, next, moves);
+    scaled < kWorth ? add_zero(place, at.u, scaled, next, moves) : add_best(place, at.u, scaled, next, moves);
     const float most = *std::min_element(next.cost.begin(), next.cost.end()) + kHopeless;
     for (float &cost : next.cost)
       if (cost > most) cost = kImpossible;
@@ -104,11 +100,11 @@ class Trellis {
   int best_here() const {
     int found = -1;
     for (int state = 0; state < kStates; ++state)
-      if (now_.any[state] && now_.cost[state] < kImpossible && (found < 0 || now_.cost[state] < now_.cost[found]))
-        found = state;
+      if (now_.any[state] && is_alive(state) && (found < 0 || now_.cost[state] < now_.cost[found])) found = state;
     return found;
   }
   float cost(int state) const { return now_.cost[state]; }
+  bool is_alive(int state) const { return now_.cost[state] < kImpossible; }
 
   // Puts the symbols of the first `count` additions, after which the state was this one, where `scan` has them, with
   // the signs of the amplitudes.
@@ -122,14 +118,53 @@ class Trellis {
   }
 
  private:
-  // Where symbols are rare, most states of a quantiser see the same, and share an offer.
-  const Offer &offer_to(int state, const Offers &others, const SymbolPlace &place, int u, float scaled) {
-    const NearMagnitudes near = known_[now_.known[state]].near(u);
+  // What the next symbol has near it, for each survivor.
+  using Near = std::array<NearMagnitudes, kStates>;
+
+  // The first survivor of the same quantiser that sees the same: where symbols are rare, most do.
+  int alike(int state, const Near &near) const {
     for (int other = state & 1; other < state; other += 2)
-      if (others[other] && others[other]->near.inside == near.inside && others[other]->near.next == near.next)
-        return *others[other];
+      if (is_alive(other) && near[other].inside == near[state].inside && near[other].next == near[state].next)
+        return other;
+    return state;
+  }
+
+  void add_best(const SymbolPlace &place, int u, float scaled, Survivors &next, Moves &moves) {
+    Near near;
+    Offers offers{};
+    for (int state = 0; state < kStates; ++state) {
+      if (!is_alive(state)) continue;
+      near[state] = known_[now_.known[state]].near(u);
+      const int other = alike(state, near);
+      offers[state] = other == state ? &make_offer(place, near[state], state, scaled) : offers[other];
+    }
+    for (int state = 0; state < kHalf; ++state) follow(state, offers, u, next, moves);
+  }
+
+  // Each state is followed by another one behind a 0.
+  void add_zero(const SymbolPlace &place, int u, float scaled, Survivors &next, Moves &moves) {
+    Near near;
+    std::array<float, kStates> cost;
+    for (int state = 0; state < kStates; ++state) {
+      const int to = QuantizerState(state).after(0).index();
+      moves.symbol[to] = 0, moves.from[to] = uint8_t(state);
+      next.known[to] = now_.known[state], next.any[to] = now_.any[state], next.cost[to] = kImpossible;
+      if (!is_alive(state)) continue;
+      near[state] = known_[now_.known[state]].near(u);
+      const int other = alike(state, near);
+      cost[state] = other == state ? zero_cost(place, near[state], state, scaled) : cost[other];
+      next.cost[to] = now_.cost[state] + cost[state];
+    }
+  }
+
+  float zero_cost(const SymbolPlace &place, const NearMagnitudes &near, int state, float scaled) const {
+    const int32_t one = models_.predict(place.at(near, QuantizerState(state)));
+    return scaled * scaled + lambda_ * bit_cost(one, 0);
+  }
+
+  const Offer &make_offer(const SymbolPlace &place, const NearMagnitudes &near, int state, float scaled) {
     Offer &offer = offers_[state];
-    offer = {near, {kImpossible, kImpossible}, {}};
+    offer = {{kImpossible, kImpossible}, {}};
     const QuantizerState quantizer(state);
     MagnitudeBits bits(models_, place, near, quantizer);
     const auto try_out = [&](int magnitude) {
@@ -139,7 +174,6 @@ class Trellis {
       if (cost < offer.cost[odd]) offer.cost[odd] = cost, offer.symbol[odd] = int16_t(magnitude);
     };
     try_out(0);
-    if (scaled < kWorth) return offer;
     const int below = std::min(int(scaled + (quantizer.odd() ? 0.5f : 0.0f)), kMaxSymbol);
     if (below) try_out(below);
     try_out(below + 1);
