@@ -13,7 +13,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO
 
 from sgicodec.device import ALL_CORES, Device, check_device
-from sgicodec.encoder.graphics import Division, with_graphics
+from sgicodec.encoder.below_layer import with_layer
+from sgicodec.encoder.classes import changed_bands, holds_classes, with_classes
+from sgicodec.encoder.division import Division, is_quality_asked
+from sgicodec.encoder.graphics import with_graphics
 from sgicodec.encoder.input.windows import Windows, kept, windows_of, without_needless_alpha
 from sgicodec.encoder.plan import Plan, stream_plan
 from sgicodec.encoder.progress import NullListener
@@ -104,23 +107,39 @@ def encode_picture(
     windows, plan = without_needless_alpha(windows, plan, listener)
     where = Path(output) if isinstance(output, str) else output
     with locked(where) if isinstance(where, Path) else nullcontext():
-        request = Request(windows, plan, with_graphics, listener, device)
+        request = Request(windows, plan, _way_to_divide(windows, plan, listener), listener, device)
         if plan.header.tile and not isinstance(picture, Picture):  # one tile is read at once
             request = replace(request, check_unchanged=picture.check_unchanged)
         return _encoded(request, _Output(where, request.verified if verify else None), executor, store)
 
 
 def encode_all_channels(picture: Picture, settings: EncodeSettings, device: Device = ALL_CORES) -> bytes:
-    """The stream of a picture in memory with all its channels, an alpha that says nothing too, and none of it divided:
-    for those who promise a shape. Raises as `encode_picture`.
+    """The stream of a picture in memory with all its channels, an alpha that says nothing too, without a residual layer
+    but for classes: for those who promise a shape. Raises as `encode_picture`.
     """
     windows = windows_of(picture)
     plan = stream_plan(windows.shape, settings)
     return _encoded(Request(windows, plan, _undivided, NullListener(), device), _Output(None)).data
 
 
+def _way_to_divide(windows: Windows, plan: Plan, listener: NullListener) -> Callable[[Windows, Plan], Division]:
+    """How tiles and a residual layer share the picture. The listener gets to know of classes that change."""
+    if plan.settings.max_error is not None:
+        return with_layer
+    if holds_classes(windows, plan):
+        if is_quality_asked(plan):
+            return with_classes
+        listener.note("its few values, as of classes, change: ask for no size, PSNR or λ, or use --lossless")
+    elif bands := changed_bands(windows, plan):
+        named = f"band{'s' * (len(bands) > 1)} {', '.join(map(str, bands))}"
+        listener.note(f"few values, as of classes and masks, change in {named}: encode them apart, or use --lossless")
+    return with_graphics if is_quality_asked(plan) else Division
+
+
 def _undivided(windows: Windows, plan: Plan) -> Division:
     asked = plan.settings.max_error
+    if asked is None and is_quality_asked(plan) and holds_classes(windows, plan):
+        return with_classes(windows, plan)
     return Division(windows, plan, None if asked is None else Layer(windows, asked))
 
 

@@ -11,7 +11,7 @@ from typing import Any, BinaryIO
 from sgicodec.bitstream.stream_writer import write_stream
 from sgicodec.decoder.stream import Stream, open_stream
 from sgicodec.device import Device
-from sgicodec.encoder.graphics import Division
+from sgicodec.encoder.division import Division
 from sgicodec.encoder.input.overview import overview_picture, overview_settings, takes_overview
 from sgicodec.encoder.input.windows import Windows
 from sgicodec.encoder.plan import Plan, stream_plan

@@ -1,0 +1,53 @@
+"""How good a picture is below a residual layer that was asked for."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+from sgicodec.encoder.division import Division, above_nothing, has_all_samples, is_quality_asked, some_of
+from sgicodec.encoder.input.windows import Windows
+from sgicodec.encoder.plan import Plan
+from sgicodec.encoder.residual import Layer
+from sgicodec.encoder.residual_form import Repeats, block_rects
+from sgicodec.metrics.jpeg_grid import jpeg_grid, jpeg_saving
+from sgicodec.metrics.psnr import luma
+from sgicodec.model.steps import quality_index
+from sgicodec.model.tile_grid import Rect
+
+__all__ = ["with_layer"]
+
+_JPEG_SHARE = 1 / 3
+"""Of blocks of a picture that was a JPEG file in which its grid is seen: it is not where they are flat."""
+_JPEG_QUALITY, _EXACT_ERROR, _ERROR_DOUBLING = 98.0, 2.0, 10.0
+"""Quality below a layer over what was a JPEG file, up to which error in levels of 255, and by how much less it is for
+each doubling of that (docs/notes/2026-11-residual-layer.md)."""
+
+
+def with_layer(windows: Windows, plan: Plan) -> Division:
+    """A layer with the error that is asked for, and what is below it. Where no quality is, the layer shows all if whole
+    pixels repeat each other, and next to nothing of what was a JPEG file.
+    """
+    header, max_error, repeats = plan.header, plan.settings.max_error or 0.0, Repeats()
+    is_free = is_quality_asked(plan) and plan.settings.quality is None
+    rects: Sequence[Rect] = some_of(list(block_rects(header))) if is_free else ()
+    savings: list[float] = []  # of blocks of a JPEG file
+    for rect in rects:
+        pixels = windows.read(*rect).pixels
+        repeats.see(pixels)
+        plane = luma(pixels)
+        if header.sample_type == "uint8" and (grid := jpeg_grid(plane)) is not None:
+            savings.append(jpeg_saving(plane, grid))
+    if header.spec.texture and len(savings) >= _JPEG_SHARE * len(rects) and sum(savings) > 0:
+        return Division(windows, _nearly_exact(plan, max_error), Layer(windows, max_error))
+    if has_all_samples(header) and repeats.are_usual:
+        return Division(windows, above_nothing(plan), Layer(windows, max_error, exact_views=True))
+    return Division(windows, plan, Layer(windows, max_error))
+
+
+def _nearly_exact(plan: Plan, max_error: float) -> Plan:
+    """The plan of tiles that show what was a JPEG file so well that a layer has little to add to any sample."""
+    less = _ERROR_DOUBLING * math.log2(max(max_error, _EXACT_ERROR) / _EXACT_ERROR)
+    lmbda = replace(plan.settings, quality=max(1.0, _JPEG_QUALITY - less)).fit_settings().lmbda
+    return plan.at(lmbda, quality_index(lmbda))

@@ -1,0 +1,73 @@
+"""What tiles show of a picture, and what a residual layer does."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from sgicodec.bitstream.header import Header
+from sgicodec.encoder.input.windows import Windows
+from sgicodec.encoder.plan import Plan
+from sgicodec.encoder.residual import Layer, bits_of_blocks
+from sgicodec.model.steps import quality_index
+from sgicodec.model.tile_grid import Rect
+
+__all__ = ["Division", "ExactDivision", "above_nothing", "has_all_samples", "is_quality_asked", "some_of"]
+
+_LARGE_LMBDA = 1e4
+"""At which a model of one Gaussian is best."""
+_MOST_BLOCKS = 12
+"""By which a picture is judged."""
+_OTHER_BYTES = 150
+"""Of a picture of which a layer shows all: headers, tables, tiles."""
+
+
+@dataclass(frozen=True)
+class Division:
+    """A picture divided in two: what tiles show, with their plan, and what a residual layer does, if there is one."""
+
+    windows: Windows
+    plan: Plan
+    layer: Layer | None = None
+    exact: ExactDivision | None = None
+    """The picture without loss, where that may take fewer bytes."""
+
+
+@dataclass(frozen=True)
+class ExactDivision(Division):
+    """A picture that a layer shows without loss, in all views. rects: some of its blocks, which stand for `parts` of
+    it; least: bits that it takes at least.
+    """
+
+    rects: Sequence[Rect] = ()
+    parts: float = 1.0
+    least: float = 0.0
+
+    def takes_less_than(self, size: int) -> bool:
+        """Whether it takes fewer bytes, about."""
+        bits = 8 * (size - _OTHER_BYTES)
+        if self.layer is None or self.least >= bits:
+            return False
+        return bits_of_blocks(self.plan.header, self.layer, self.rects) / self.parts < bits
+
+
+def is_quality_asked(plan: Plan) -> bool:
+    """Whether a quality says what the picture is to look like, named or not."""
+    settings = plan.settings
+    return "quality" in settings.chosen_profile.scales and settings.lmbda is None and settings.target is None
+
+
+def has_all_samples(header: Header) -> bool:
+    """Whether all samples of a picture are numbers that are seen, but for colours without alpha."""
+    return header.masked != "nodata" and not header.has_exact
+
+
+def some_of(rects: Sequence[Rect]) -> Sequence[Rect]:
+    """Some blocks of a picture by which it is judged, evenly spread."""
+    return rects[:: -(-len(rects) // _MOST_BLOCKS) or 1]
+
+
+def above_nothing(plan: Plan) -> Plan:
+    """The plan of tiles that take next to nothing."""
+    settings, header = replace(plan.settings, effort=1, steps=None), replace(plan.header, masked=None)
+    return replace(plan, settings=settings, header=header).at(_LARGE_LMBDA, quality_index(_LARGE_LMBDA))

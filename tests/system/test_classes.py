@@ -1,0 +1,57 @@
+"""Maps of classes, labels and masks come back as they are; where they cannot, one line says so."""
+
+from __future__ import annotations
+
+import warnings
+from typing import Any
+
+import numpy as np
+import pytest
+
+from sgicodec import decode, encode
+
+RANDOM = np.random.default_rng(8)
+AREAS = (np.abs(np.add.outer(np.arange(70) - 30, RANDOM.integers(-3, 4, 90))) // 12).astype(np.uint8)  # 0 to 3
+SCATTERED = (RANDOM.random((70, 90)) < 0.1).astype(np.uint8)
+GRAYS = RANDOM.integers(0, 16, (70, 90), np.uint8)
+
+
+def coded(pixels: np.ndarray, **how: Any) -> tuple[np.ndarray, list[str]]:
+    """What comes back, and what is said."""
+    with warnings.catch_warnings(record=True) as said:
+        data = encode(pixels, effort=1, **how)
+    return decode(data).reshape(pixels.shape), [str(one.message) for one in said]
+
+
+@pytest.mark.parametrize("quality", [None, 5.0])
+@pytest.mark.parametrize(
+    ("pixels", "channels", "nodata"),
+    [
+        (AREAS, "gray", None),
+        (SCATTERED, "gray", None),
+        (AREAS.astype(np.uint16) * 1000, "gray", None),
+        (AREAS.astype(np.float32) - 1, "gray", -1.0),
+        (np.where(AREAS, AREAS, np.nan).astype(np.float32), "gray", np.nan),
+        (RANDOM.integers(0, 256, (4, 3), np.uint8)[AREAS], "rgb", None),
+        (np.dstack([AREAS, AREAS == 1, SCATTERED]), "multi", None),
+    ],
+)
+def test_few_values_come_back(pixels: np.ndarray, channels: str, nodata: float | None, quality: float | None) -> None:
+    found, said = coded(pixels, channels=channels, nodata=nodata, quality=quality)
+    np.testing.assert_array_equal(found, pixels)
+    assert said == []
+
+
+def test_what_changes_is_said() -> None:
+    assert coded(AREAS, psnr=30.0)[1] == [
+        "its few values, as of classes, change: ask for no size, PSNR or λ, or use --lossless"
+    ]
+    photograph = RANDOM.integers(0, 256, (70, 90, 2), np.uint8)
+    assert coded(np.dstack([photograph, AREAS]), channels="multi")[1] == [
+        "few values, as of classes and masks, change in band 3: encode them apart, or use --lossless"
+    ]
+
+
+def test_grays_of_a_scan_and_nothing_are_no_classes() -> None:
+    assert (coded(17 * GRAYS)[0] != 17 * GRAYS).any()
+    assert not coded(np.zeros((70, 90, 4), np.uint8))[0].any()
