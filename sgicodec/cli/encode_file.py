@@ -124,7 +124,7 @@ def encode_file(origin: str, target: str, options: EncodeOptions, started: float
             text = f"{done} of {listener.tiles} tiles are in {display(target)}.part"
             raise EncodeInterruptedError(f"interrupted; {text}, --resume goes on") from None
     if not options.quiet or options.as_json:
-        report = Report.of(listener.plan, encoded, source.rounding, options.device_name)
+        report = Report(listener.plan, encoded, source.rounding, options.device_name)
         seconds, own = time.monotonic() - started, own_peak()
         workers = executor.peaks.bytes if isinstance(executor, ProcessExecutor) else 0
         peak = None if own is None else (own + workers) / MIB
