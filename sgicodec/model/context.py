@@ -20,6 +20,7 @@ __all__ = [
     "level_inputs",
     "nearest_by_pass",
     "neighbour_table",
+    "network_shapes",
     "output_columns",
     "output_count",
 ]
@@ -79,6 +80,14 @@ def output_count(spec: ModelSpec, group: str) -> int:
     if not spec.plain:
         return spec.group(group).size
     return {"colour": 3, "shape": 3, "offset": 2}.get(group, spec.group(group).size)
+
+
+def network_shapes(spec: ModelSpec, step: int) -> dict[str, tuple[int, ...]]:
+    """Shapes of MLP_p's weights at a step of `ContextSpec.steps`."""
+    names = spec.context.steps[step]
+    inputs, hidden = input_count(spec, step), spec.context.hidden
+    outputs = 2 * sum(output_count(spec, name) for name in names) + len(names)
+    return {"w1": (hidden, inputs), "b1": (hidden,), "w2": (outputs, hidden), "b2": (outputs,)}
 
 
 @dataclass(frozen=True)

@@ -12,10 +12,11 @@ from textures import random_symbols
 
 from sgicodec.bitstream.entropy.tables import MAX_MAGNITUDE
 from sgicodec.bitstream.header import Header, encode_header
-from sgicodec.bitstream.limits import hash_counts, network_shapes
+from sgicodec.bitstream.limits import hash_counts
 from sgicodec.bitstream.parts.tile import TileModel, write_tile
 from sgicodec.errors import CorruptStreamError
 from sgicodec.model.base import base_shape
+from sgicodec.model.context import network_shapes
 from sgicodec.model.gaussians import decoder_shapes
 from sgicodec.model.layout import SeedLayout
 from sgicodec.model.network import IntNetwork

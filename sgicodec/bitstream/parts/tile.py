@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from sgicodec import _native
 from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
 from sgicodec.bitstream.header import Header, encode_header
-from sgicodec.bitstream.limits import check_model, hash_counts, max_seeds, network_shapes
+from sgicodec.bitstream.limits import check_model, hash_counts, max_seeds
 from sgicodec.bitstream.parts.arrays import write_base, write_signs, write_weights
 from sgicodec.bitstream.parts.attributes import QuantisedAttributes, quantise_attributes, write_attributes
 from sgicodec.bitstream.parts.positions import write_positions, write_tree
@@ -22,6 +22,7 @@ from sgicodec.bitstream.parts.texture import layer_of, write_texture
 from sgicodec.device import ONE_THREAD, Device
 from sgicodec.errors import LimitError
 from sgicodec.model.base import base_shape
+from sgicodec.model.context import network_shapes
 from sgicodec.model.gaussians import decoder_shapes
 from sgicodec.model.layout import SeedLayout
 from sgicodec.model.network import IntNetwork

@@ -8,9 +8,9 @@ from typing import Any
 import torch
 from torch import Tensor
 
-from sgicodec.fit.context_weights import WEIGHT_SHIFT, ContextWeights, layer_shapes, shaped
+from sgicodec.fit.context_weights import WEIGHT_SHIFT, ContextWeights, shaped
 from sgicodec.fit.weight_bits import ADDED_UNITS
-from sgicodec.model.context import INPUT_BITS, HashGrid, output_count
+from sgicodec.model.context import INPUT_BITS, HashGrid, network_shapes, output_count
 from sgicodec.model.network import INPUT_LIMIT
 from sgicodec.model.spec import ModelSpec
 
@@ -44,7 +44,7 @@ class ContextNet:
             self.tables = weights.per_table(tables)
         else:
             first, rest = map(torch.from_numpy, weights)
-        shapes = layer_shapes(spec)
+        shapes = [list(network_shapes(spec, step).values()) for step in range(len(spec.context.steps))]
         firsts: list[Tensor] = shaped([stage[0] for stage in shapes], first)
         rests: list[Tensor] = shaped([shape for stage in shapes for shape in stage[1:]], rest)
         self.layers = [[w1, *rests[3 * number : 3 * number + 3]] for number, w1 in enumerate(firsts)]

@@ -17,13 +17,13 @@ from sgicodec import _native
 from sgicodec._native import SymbolReader
 from sgicodec.bitstream.entropy.tables import SCALES
 from sgicodec.bitstream.header import Header, decode_header, encode_header
-from sgicodec.bitstream.limits import hash_counts, network_shapes
+from sgicodec.bitstream.limits import hash_counts
 from sgicodec.bitstream.parts.prior import load_prior
 from sgicodec.bitstream.parts.tile import TileModel, quantise, read_tile, write_tile
 from sgicodec.bitstream.parts.tile_chunk import decode_tile_chunk
 from sgicodec.device import ONE_THREAD, Device
 from sgicodec.model.base import base_shape
-from sgicodec.model.context import nearest_by_pass
+from sgicodec.model.context import nearest_by_pass, network_shapes
 from sgicodec.model.gaussians import decoder_shapes
 from sgicodec.model.layout import SeedLayout
 from sgicodec.model.quantization import DEAD_ZONE_LIMIT
