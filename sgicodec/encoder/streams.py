@@ -19,7 +19,6 @@ from sgicodec.encoder.progress import NullListener, PassReporter
 from sgicodec.encoder.quality_calibration import with_quality_calibration
 from sgicodec.encoder.residual import Layer, residual_layer
 from sgicodec.encoder.settings import EncodeSettings
-from sgicodec.encoder.tiles.passes import tile_pass
 from sgicodec.encoder.tiles.runner import TileRunner
 from sgicodec.encoder.tiles.store import Store, Version
 from sgicodec.encoder.tiles.tasks import FitTask, Task
@@ -145,7 +144,9 @@ class Streams:
         return self._divided(exact, name)
 
     def _divided(self, division: Division, name: str) -> Finished:
-        """The stream of a picture that is divided."""
+        """The stream of a picture that is divided: what its tiles lack of this pass is done. A pass follows from the
+        results of earlier ones alone, so that workers, order and interruptions do not matter.
+        """
         request, index = self._request, self._passes
         self._passes += 1
         below, plan, layer = division.windows, division.plan, division.layer
@@ -154,9 +155,13 @@ class Streams:
         runner, reporter = TileRunner(below, plan, self._executor, request.device), PassReporter(plan, request.listener)
         overview = self._overview(plan, index, runner, reporter) if takes_overview(plan) else None
         task = FitTask(plan) if plan.header.tile else FitTask(plan, request.listener)
-        numbers = range(plan.header.grid.count)
-        chosen = tile_pass(name, index, task, numbers, runner, self._store, reporter)
-        header = self._store.tiles[chosen[-1]].header
+        chosen, tiles = [Version(number, index) for number in range(plan.header.grid.count)], self._store.tiles
+        reporter.begin(name, range(len(chosen)), {of.tile: tiles[of] for of in chosen if of in tiles})
+        missing = [of.tile for of in chosen if of not in tiles]
+        for number, tile in runner(task, missing) if missing else ():
+            self._store.add(Version(number, index), tile)
+            reporter.done(number, tile)
+        header = tiles[chosen[-1]].header
         finished = Finished(plan if header is None else replace(plan, header=header), chosen, overview)
         return finished if layer is None else replace(finished, residual=self._residual(finished, layer))
 
