@@ -55,15 +55,14 @@ class ContextWeights:
     first: W1, flat. rest: b1, W2 and b2, flat. tables: θ of every resolution, flat.
     """
 
-    def __init__(self, spec: ModelSpec, hash_sizes: tuple[int, ...], rng: np.random.Generator) -> None:
+    def __init__(self, spec: ModelSpec, hash_counts: Sequence[int], rng: np.random.Generator) -> None:
         self.spec = spec
         w1, b1, w2, b2 = self._shapes = tuple(network_shapes(spec, 0).values())
         self.first: F32 = rng.standard_normal(math.prod(w1), np.float32) * np.float32((2.0 / w1[1]) ** 0.5)
         second = rng.standard_normal(math.prod(w2), np.float32) * np.float32(0.1 / w2[1] ** 0.5)
         self.rest: F32 = np.concatenate([np.zeros(b1, np.float32), second, np.zeros(b2, np.float32)])
-        self._tables = [(entries, spec.context.hash_features) for entries in hash_sizes]
-        count = sum(hash_sizes) * spec.context.hash_features
-        self.tables: F32 = (rng.random(count, np.float32) * 2 - 1) * np.float32(HASH_START)
+        self._tables = [(count // spec.context.hash_features, spec.context.hash_features) for count in hash_counts]
+        self.tables: F32 = (rng.random(sum(hash_counts), np.float32) * 2 - 1) * np.float32(HASH_START)
 
     def trained(self) -> dict[str, F32]:
         """What trains, by name."""

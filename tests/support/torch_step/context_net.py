@@ -10,7 +10,7 @@ from torch import Tensor
 
 from sgicodec.fit.context_weights import WEIGHT_SHIFT, ContextWeights, shaped
 from sgicodec.fit.weight_bits import ADDED_UNITS
-from sgicodec.model.context import INPUT_BITS, HashGrid, network_shapes, output_count
+from sgicodec.model.context import INPUT_BITS, network_shapes, output_count
 from sgicodec.model.network import INPUT_LIMIT
 from sgicodec.model.spec import ModelSpec
 
@@ -67,9 +67,9 @@ class ContextNet:
         units = sum(output_count(self.spec, group) for group in self.spec.context.steps[stage])
         return out[:, :units], out[:, units : 2 * units], out[:, 2 * units :]
 
-    def hash_features(self, grid: HashGrid, weight: Tensor) -> Tensor:
+    def hash_features(self, entries: Tensor, weight: Tensor) -> Tensor:
         """H(x_a) of all seeds by bilinear interpolation of ±1 features [N, L·F], input units (paper, equation 9)."""
-        levels = zip(map(binarize, self.tables), grid.entry, weight, strict=True)
+        levels = zip(map(binarize, self.tables), entries, weight, strict=True)
         mixed = [(table[entry] * share[..., None]).sum(1) for table, entry, share in levels]  # of [N, 4, F]
         return torch.cat(mixed, dim=1) * 2.0 ** (INPUT_BITS - 12)
 

@@ -29,7 +29,7 @@ from sgicodec.fit.step_sizes import base_counts, gamma_names
 from sgicodec.model.context import (
     INPUT_BITS,
     LEVELS,
-    HashGrid,
+    hash_grid,
     level_inputs,
     neighbour_table,
     output_columns,
@@ -115,8 +115,8 @@ class QuantizationProxy:
             self.table = torch.from_numpy(table)
             self.offset = torch.from_numpy(nearest_offset(layout, table)).float()
         if context.hash_resolutions:
-            self.grid = HashGrid.at(context, layout, width, height)
-            self.grid_weight = torch.from_numpy(self.grid.weight).float()
+            entry, weight = map(torch.from_numpy, hash_grid(context, width, height).corners(layout.half_pixels))
+            self.grid = entry.transpose(0, 1), weight.float().transpose(0, 1)
         self.age = 0
 
     def sample(
@@ -205,7 +205,7 @@ class QuantizationProxy:
         """MLP_p at one coding stage."""
         blocks = [self.common]
         if self.spec.context.hash_resolutions:
-            blocks.append(net.hash_features(self.grid, self.grid_weight))
+            blocks.append(net.hash_features(*self.grid))
         if number:
             known = {name: value.detach() for name, value in decoded.items()}
             if "shape" not in known:
