@@ -27,7 +27,6 @@ __all__ = [
     "nearest_by_pass",
     "neighbour_table",
     "network_shapes",
-    "output_columns",
     "output_count",
 ]
 
@@ -65,20 +64,6 @@ def input_count(spec: ModelSpec, step: int) -> int:
     if context.neighbours:
         count += NEIGHBOUR_INPUTS
     return count + own_input_count(step)
-
-
-def output_columns(spec: ModelSpec, group: str) -> NDArray[np.int64]:
-    """Which of MLP_p's outputs of its kind predicts each attribute of a group [size].
-
-    With the skip, channels beyond three, and those of pictures with fewer than three, share luma's.
-    """
-    size = spec.group(group).size
-    if not spec.plain:
-        return np.arange(size)
-    if group == "colour":
-        channel = np.arange(size)
-        return np.where((channel < 3) & (spec.channels >= 3), channel, 0)
-    return np.arange(size)
 
 
 def output_count(spec: ModelSpec, group: str) -> int:
