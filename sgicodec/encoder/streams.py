@@ -15,7 +15,7 @@ from sgicodec.encoder.graphics import Division
 from sgicodec.encoder.input.overview import overview_picture, overview_settings, takes_overview
 from sgicodec.encoder.input.windows import Windows
 from sgicodec.encoder.plan import Plan, stream_plan
-from sgicodec.encoder.progress import NullListener, PassReporter
+from sgicodec.encoder.progress import NullListener, PassState
 from sgicodec.encoder.quality_calibration import with_quality_calibration
 from sgicodec.encoder.residual import Layer, residual_layer
 from sgicodec.encoder.settings import EncodeSettings
@@ -53,6 +53,11 @@ class Request:
     def target(self) -> RateTarget | None:
         """What the stream is to end at."""
         return self.plan.settings.rate_target(self.plan.header.width * self.plan.header.height)
+
+    def tell(self, state: PassState) -> None:
+        """Tells the listener, where there are several tiles: the only one reports its stages and steps itself."""
+        if self.plan.header.grid.count > 1:
+            self.listener.tile(state)
 
     def at_quality(self, quality: float, **changes: Any) -> Plan:
         """The plan at a quality, also one beyond those that have a name, without its target, of which the stream tells
@@ -152,15 +157,24 @@ class Streams:
         below, plan, layer = division.windows, division.plan, division.layer
         if request.target is None:  # which looks as it will: λ alone moves sizes by as little as is wanted
             plan = with_quality_calibration(below, plan)
-        runner, reporter = TileRunner(below, plan, self._executor, request.device), PassReporter(plan, request.listener)
-        overview = self._overview(plan, index, runner, reporter) if takes_overview(plan) else None
+        runner, grid, tiles = (
+            TileRunner(below, plan, self._executor, request.device),
+            plan.header.grid,
+            self._store.tiles,
+        )
+        overview = self._overview(plan, index, runner) if takes_overview(plan) else None
         task = FitTask(plan) if plan.header.tile else FitTask(plan, request.listener)
-        chosen, tiles = [Version(number, index) for number in range(plan.header.grid.count)], self._store.tiles
-        reporter.begin(name, range(len(chosen)), {of.tile: tiles[of] for of in chosen if of in tiles})
+        chosen = [Version(number, index) for number in range(grid.count)]
+        state = PassState(grid.count, plan.header.width * plan.header.height, name)
+        for of in chosen:
+            if of in tiles:
+                state.add(tiles[of], grid.core(of.tile), fresh=False)
+        request.tell(state)
         missing = [of.tile for of in chosen if of not in tiles]
         for number, tile in runner(task, missing) if missing else ():
             self._store.add(Version(number, index), tile)
-            reporter.done(number, tile)
+            state.add(tile, grid.core(number), fresh=True)
+            request.tell(state)
         header = tiles[chosen[-1]].header
         finished = Finished(plan if header is None else replace(plan, header=header), chosen, overview)
         return finished if layer is None else replace(finished, residual=self._residual(finished, layer))
@@ -192,9 +206,9 @@ class Streams:
             file.seek(0)
             return self._request.psnr(file) if target.quantity == "psnr" else self._request.score(file)
 
-    def _overview(self, plan: Plan, index: int, runner: TileRunner, reporter: PassReporter) -> bytes:
+    def _overview(self, plan: Plan, index: int, runner: TileRunner) -> bytes:
         def made() -> bytes:
-            reporter.begin("overview", [], {})
+            self._request.tell(PassState(0, 0, "overview"))
             task = self._overview_of(overview_settings(plan, plan.settings.fit_settings().lmbda))
             return dict(runner(task, [0], window=overview_picture(plan, self._request.windows.read)))[0]
 
