@@ -35,11 +35,11 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from sgicodec.encoder.settings import EncodeSettings
-    from sgicodec.image.opened import Alpha
-    from sgicodec.image.used_range import RangeChoice
 
 __all__ = ["encode"]
 
+_OF_EACH = ("sample_range", "alpha", "page", "max_memory", "resume", "verify")
+"""Options beside the settings of a stream that `EncodeOptions` has as they are."""
 _MAX_FILE = 1 << 20
 """Bytes that are read of networks: more than any may have."""
 
@@ -152,15 +152,9 @@ _MAX_FILE = 1 << 20
 @takes_files
 def encode(
     files: Files,
-    sample_range: RangeChoice | None,
-    verify: bool,
-    resume: bool,
-    max_memory: float | None,
     cluster: str | None,
     source_at: str | None,
     send_pixels: bool,
-    alpha: Alpha,
-    page: int | None,
     threads: int,
     device: str,
     lossless: bool,
@@ -185,6 +179,7 @@ def encode(
         if choices[name] is not None:
             with open(choices[name], "rb") as file:
                 choices[name] = file.read(_MAX_FILE)
+    of_each = {name: choices.pop(name) for name in _OF_EACH}
     settings = _settings(choices)
     if cluster is None and (source_at is not None or send_pixels):
         raise UsageError("--source-at and --send-pixels go with --cluster")
@@ -199,22 +194,8 @@ def encode(
         started = time.monotonic()
         from sgicodec.cli.encode_file import EncodeOptions, encode_file
 
-        options = EncodeOptions(
-            files=files,
-            settings=settings,
-            sample_range=sample_range,
-            alpha=alpha,
-            page=page,
-            device=computes,
-            device_name=device,
-            max_memory=max_memory,
-            cluster=cluster,
-            source_at=source_at,
-            send_pixels=send_pixels,
-            resume=resume,
-            verify=verify,
-            verbose=verbose,
-        )
+        where: dict[str, Any] = {"cluster": cluster, "source_at": source_at, "send_pixels": send_pixels}
+        options = EncodeOptions(files, settings, computes, device, verbose, **where, **of_each)
         return encode_file(source, target, options, started)
 
     files.each("pictures", PictureError, _is_picture, lambda _: "sgi", "encoded", run)

@@ -41,16 +41,17 @@ class EncodeOptions:
     files: Files
     settings: EncodeSettings
     """What the stream is to be."""
+    device: Device
+    """What computes in this process."""
+    device_name: str
+    """What was asked for, which workers of a cluster find on their machines."""
+    verbose: bool
     sample_range: RangeChoice | None
     """The samples that stand for 0 and 1, None for what suits the picture."""
     alpha: Alpha
     """What a last band is taken for."""
     page: int | None
     """Which page of a file that holds several, from 1; None for the first."""
-    device: Device
-    """What computes in this process."""
-    device_name: str
-    """What was asked for, which workers of a cluster find on their machines."""
     max_memory: float | None
     """Bytes of all processes together, None for any."""
     cluster: str | None
@@ -63,7 +64,6 @@ class EncodeOptions:
     """Whether to go on with an interrupted encode."""
     verify: bool
     """Whether the stream is decoded and measured."""
-    verbose: bool
 
 
 def encode_file(origin: str, target: str, options: EncodeOptions, started: float) -> int:
