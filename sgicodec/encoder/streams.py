@@ -5,6 +5,7 @@ from __future__ import annotations
 import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -21,11 +22,11 @@ from sgicodec.encoder.residual import Layer, residual_layer
 from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.encoder.tiles.runner import TileRunner
 from sgicodec.encoder.tiles.store import Store, Version
-from sgicodec.encoder.tiles.tasks import FitTask, Task
+from sgicodec.encoder.tiles.tasks import FitTask
 from sgicodec.executors.executor import Executor
 from sgicodec.metrics.distortion import decibels, squared_error
 from sgicodec.metrics.visual_score import visual_score
-from sgicodec.picture import to_rgb8
+from sgicodec.picture import Picture, to_rgb8
 from sgicodec.profiles.default import lmbda_of_quality
 from sgicodec.rate_control.quality_search import searched_quality
 from sgicodec.rate_control.target import RateTarget
@@ -127,16 +128,16 @@ class Finished:
 
 
 class Streams:
-    """Streams of one picture, a pass over its tiles each. overview_of: what makes an overview by these settings."""
+    """Streams of one picture, a pass over its tiles each. overview: what makes one by its settings, as a task."""
 
     def __init__(
         self,
         request: Request,
         executor: Executor,
         store: Store,
-        overview_of: Callable[[EncodeSettings], Task[bytes]],
+        overview: Callable[[EncodeSettings, int, Picture, Device], bytes],
     ) -> None:
-        self._request, self._executor, self._store, self._overview_of = request, executor, store, overview_of
+        self._request, self._executor, self._store, self._make_overview = request, executor, store, overview
         self._passes = 0
 
     def of(self, plan: Plan, name: str = "tiles") -> Finished:
@@ -209,7 +210,7 @@ class Streams:
     def _overview(self, plan: Plan, index: int, runner: TileRunner) -> bytes:
         def made() -> bytes:
             self._request.tell(PassState(0, 0, "overview"))
-            task = self._overview_of(overview_settings(plan, plan.settings.fit_settings().lmbda))
+            task = partial(self._make_overview, overview_settings(plan, plan.settings.fit_settings().lmbda))
             return dict(runner(task, [0], window=overview_picture(plan, self._request.windows.read)))[0]
 
         return self._store.cached(f"overview {index}", made)
