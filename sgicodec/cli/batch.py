@@ -15,7 +15,7 @@ import click
 
 from sgicodec.cli.files import complain
 from sgicodec.cli.json_output import print_json
-from sgicodec.cli.paths import STANDARD, check_output, display, local_name, refuse_folder
+from sgicodec.cli.paths import STANDARD, check_output, display, local_name
 from sgicodec.cli.progress import Mode, batch_progress
 from sgicodec.errors import BatchError, SgiError, UsageError
 from sgicodec.remote.url import is_url
@@ -137,7 +137,11 @@ class Files:
             return
         if len(paths) > 2:
             raise click.UsageError(f"{len(paths)} names; give IN and OUT, or --output-dir for many {content}")
-        refuse_folder(paths[0], content, misfit)
+        if paths[0] != STANDARD and os.path.isdir(paths[0]):
+            from sgicodec.image.zarr_reader import is_zarr  # takes long to load
+
+            if not is_zarr(Path(paths[0])):  # which is a picture
+                raise misfit(f"{display(paths[0])}: it is a folder; add -r to take the {content} in it")
         work(paths[0], self.output or (paths[1] if len(paths) == 2 else None))
 
     def _one_by_one(
