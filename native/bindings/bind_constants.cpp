@@ -1,6 +1,5 @@
 #include <utility>
 
-#include "bindings/arrays.hpp"
 #include "bindings/bindings.hpp"
 #include "image/regular_pattern_kernel.hpp"
 #include "model/constants.hpp"
@@ -46,13 +45,6 @@ void bind_constants(nb::module_ &m) {
                                     {"SHAPE_LIMIT", sgi::kShapeLimit},
                                     {"MIN_MASS", sgi::kMinMass}})
     m.attr(name) = value;
-  m.def(
-      "neighbour_weight",
-      [](int rank) {
-        sgi::require(rank >= 0 && rank < sgi::kMaxNeighbours, "there are six ranks");
-        return sgi::kNeighbourWeights[rank];
-      },
-      "rank"_a, "Sixteenths that a seed's neighbour of this rank counts, nearest first.");
   m.def("own_input_count", &sgi::own_input_count, "step"_a,
         "Inputs that a seed's own earlier groups add at a coding step.");
 }

@@ -12,6 +12,7 @@
 #include "bindings/bindings.hpp"
 #include "bindings/checks.hpp"
 #include "model/cell_sums.hpp"
+#include "model/hash_grid.hpp"
 #include "model/seed_gaussians.hpp"
 
 namespace nb = nanobind;
@@ -75,6 +76,26 @@ void seed_gaussians(Array<const double, 2> values, Array<const int32_t, 2> half_
                       sgi::choose_isa(isa), {means.data(), covariances.data(), colours.data()});
 }
 
+void make_hash_grid(sgi::HashGrid *self, std::vector<int> resolutions, int features, int log2_entries, int64_t width,
+                    int64_t height) {
+  require(width > 0 && height > 0 && log2_entries >= 0 && log2_entries < 32, "a picture has pixels, a table entries");
+  sgi::ContextSpec context;
+  context.hash_resolutions = std::move(resolutions);
+  context.hash_features = features, context.hash_log2_entries = log2_entries;
+  new (self) sgi::HashGrid(context, width, height);
+}
+
+auto hash_corners(const sgi::HashGrid &grid, Array<const int32_t, 2> half_pixels) {
+  const size_t n = half_pixels.shape(0), levels = size_t(grid.resolutions());
+  require(has_shape(half_pixels, n, 2), "half_pixels must be [N, 2]");
+  std::vector<int64_t> entries(n * levels * 4);
+  std::vector<int> weights(entries.size());
+  for (size_t at = 0; at < n * levels; ++at)
+    grid.corners(int(at % levels), half_pixels.data() + 2 * (at / levels), &entries[4 * at], &weights[4 * at]);
+  const std::array shape{n, levels, size_t(4)};
+  return std::tuple(sgi::as_array<int64_t>(std::move(entries), shape), sgi::as_array<int>(std::move(weights), shape));
+}
+
 }  // namespace
 
 void bind_model(nb::module_ &m) {
@@ -84,4 +105,9 @@ void bind_model(nb::module_ &m) {
         "covariances"_a, "colours"_a);
   m.def("evaluate_network", &evaluate_network, "w1"_a, "b1"_a, "w2"_a, "b2"_a, "shift"_a, "predicted"_a, "inputs"_a,
         "threads"_a, "isa"_a, "out"_a);
+  nb::class_<sgi::HashGrid>(m, "HashGrid", "The binary hash grid H of a picture.")
+      .def("__init__", &make_hash_grid, "resolutions"_a, "features"_a, "log2_entries"_a, "width"_a, "height"_a)
+      .def_prop_ro("counts", &sgi::HashGrid::counts, "Signs of every resolution.")
+      .def("corners", &hash_corners, "half_pixels"_a,
+           "The entries around each seed in the table of every resolution [N, L, 4], and their weights in 2^-12.");
 }

@@ -6,13 +6,14 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
 from sgicodec.bench.codec import Coded
 from sgicodec.bench.rows import RowFile
 from sgicodec.bench.run import checksum, name_of
+from sgicodec.bench.sgi import SgiCodec
 from sgicodec.errors import PictureError, SgiError, require
 from sgicodec.metrics.psnr import Pixels, difference
 
@@ -41,22 +42,6 @@ class LosslessRow:
     @property
     def key(self) -> tuple[object, ...]:
         return (self.codec, self.version, self.settings, self.picture, self.crc, self.max_error)
-
-
-class LosslessCodec(Protocol):
-    """A codec of exact samples: `LosslessPeer` and `SgiCodec`."""
-
-    @property
-    def name(self) -> str: ...
-
-    @property
-    def fixed_settings(self) -> str: ...
-
-    def version(self) -> str: ...
-
-    def takes(self, pixels: Pixels, max_error: float) -> bool: ...
-
-    def coded(self, path: Path, pixels: Pixels, max_error: float) -> Coded: ...
 
 
 @dataclass(frozen=True)
@@ -104,6 +89,8 @@ class LosslessPeer:
             raise PictureError(f"{self.name} cannot code this picture: {error}") from error
         return Coded(len(data), decoded, encoded - start, time.process_time() - encoded)
 
+
+LosslessCodec = LosslessPeer | SgiCodec
 
 _ALL = ("uint8", "uint16", "float32")
 

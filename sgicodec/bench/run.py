@@ -192,12 +192,8 @@ def _measure(sample: Sample, codec: Codec, quality: float, key: Key) -> Row:
         quality=quality,
         bytes=len(trip.data),
         bpp=8 * len(trip.data) / (width * height),
-        psnr=found.psnr,
-        luma_psnr=found.luma_psnr,
-        ssim=found.ssim,
-        ms_ssim=found.ms_ssim,
         encode_seconds=trip.encode_seconds,
         decode_seconds=trip.decode_seconds,
         memory_mib=trip.peak_mib,
-        **dataclasses.asdict(seen),
+        **(dataclasses.asdict(found) | dataclasses.asdict(seen)),
     )

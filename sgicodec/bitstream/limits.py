@@ -7,16 +7,12 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import numpy as np
-
 from sgicodec import _native
 from sgicodec._native import check_texture
 from sgicodec.bitstream.header import Header, encode_header
-from sgicodec.model.context import HashGrid, input_count, output_count
-from sgicodec.model.layout import SeedLayout
 from sgicodec.model.spec import ModelSpec
 
-__all__ = ["check_model", "check_texture", "hash_counts", "max_seeds", "network_shapes", "spec_fields"]
+__all__ = ["check_model", "check_texture", "max_seeds", "spec_fields"]
 
 
 def check_model(spec: ModelSpec, width: int, height: int) -> None:
@@ -33,20 +29,3 @@ def spec_fields(spec: ModelSpec, width: int, height: int) -> bytes:
     """The header of a picture of so many pixels; of its samples nothing counts but how many channels they have."""
     plain = replace(spec, luma_space=False)
     return encode_header(Header(width, height, "multi", "uint8", (0.0, 255.0), "default", plain, 0, 0))
-
-
-def network_shapes(spec: ModelSpec, step: int) -> dict[str, tuple[int, ...]]:
-    """Shapes of MLP_p's weights at a step of `ContextSpec.steps`."""
-    names = spec.context.steps[step]
-    inputs, hidden = input_count(spec, step), spec.context.hidden
-    outputs = 2 * sum(output_count(spec, name) for name in names) + len(names)
-    return {"w1": (hidden, inputs), "b1": (hidden,), "w2": (outputs, hidden), "b2": (outputs,)}
-
-
-def hash_counts(spec: ModelSpec, width: int, height: int) -> list[int]:
-    """Signs of every resolution of the hash grid."""
-    context = spec.context
-    if not context.hash_resolutions:
-        return []
-    nowhere = SeedLayout(np.zeros((0, 2), np.int32), np.zeros(0, np.int8))
-    return [size * context.hash_features for size in HashGrid.at(context, nowhere, width, height).sizes]

@@ -1,4 +1,4 @@
-"""Many files by one command: which, under which names, each in its turn, one summary, and an exit code for all."""
+"""The files of a command: which, under which names, each of many in its turn, one summary and one exit code."""
 
 from __future__ import annotations
 
@@ -6,19 +6,21 @@ import os
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from functools import wraps
 from pathlib import Path
+from typing import Any, Literal
 
 import click
 
 from sgicodec.cli.files import complain
 from sgicodec.cli.json_output import print_json
-from sgicodec.cli.paths import STANDARD, display, local_name
+from sgicodec.cli.paths import STANDARD, check_output, display, local_name
 from sgicodec.cli.progress import Mode, batch_progress
 from sgicodec.errors import BatchError, SgiError, UsageError
 from sgicodec.remote.url import is_url
 
-__all__ = ["Batch", "Item", "batch_items"]
+__all__ = ["Files", "takes_files"]
 
 
 @dataclass(frozen=True)
@@ -33,9 +35,7 @@ class Item:
     failure: str = ""
 
 
-def batch_items(
-    paths: tuple[str, ...], folder: str | None, recursive: bool, wanted: Callable[[Path], bool]
-) -> list[Item]:
+def _items(paths: tuple[str, ...], folder: str | None, recursive: bool, wanted: Callable[[Path], bool]) -> list[Item]:
     """All files of `paths`, and with `recursive` the wanted ones in folders and their subfolders.
 
     Results go into `folder`, in the same subfolders, or beside their sources. Of files whose names differ in the
@@ -82,26 +82,78 @@ def _files(path: str, recursive: bool, wanted: Callable[[Path], bool], unread: l
 
 
 @dataclass(frozen=True)
-class Batch:
-    """How many files are worked on. done: what is said of one, such as "encoded"."""
+class Files:
+    """The files that a command takes and writes, and what its options say of that."""
 
-    done: str
+    paths: tuple[str, ...]
+    output: str | None
+    output_dir: str | None
+    recursive: bool
     skip_existing: bool
-    mode: Mode
+    """Whether what has its OUT already is left out."""
+    force: bool
+    """Whether a file that is there may be overwritten."""
+    progress: Mode
     as_json: bool
     quiet: bool
 
-    def run(self, items: list[Item], extension_of: Callable[[str], str], work: Callable[[str, str], int]) -> None:
-        """Calls work(source, target), which returns bytes, for all; reports failures as they occur, then sums up.
+    @property
+    def are_many(self) -> bool:
+        """Whether they are taken one after the other."""
+        return self.output_dir is not None or self.recursive
 
-        Raises BatchError if some failed. Ctrl-C ends the batch.
+    @property
+    def mode(self) -> Mode:
+        """Of the progress with one of them."""
+        return "off" if self.quiet or self.are_many else self.progress
+
+    def check(self, source: str, target: str, becomes: Literal["stream", "picture"]) -> None:
+        """Refuses what should not be written. Raises as `check_output`."""
+        if self.as_json and target == STANDARD:
+            raise UsageError(f"stdout cannot take both the {becomes} and --json; name OUT")
+        by_default = (self.output_dir, self.output) == (None, None) and (self.recursive or len(self.paths) == 1)
+        is_named = self.output is not None
+        check_output(target, (source,), self.force, by_default=by_default, becomes=None if is_named else becomes)
+
+    def each(
+        self,
+        content: str,
+        misfit: type[SgiError],
+        wanted: Callable[[Path], bool],
+        extension_of: Callable[[str], str],
+        done: str,
+        work: Callable[[str, str | None], int],
+    ) -> None:
+        """Calls work(source, target), which returns bytes, for all; target is None where nobody named it. content: what
+        they are, of which `misfit` tells that one is none; wanted: whether a file of a folder is; done: what is said of
+        those that were worked on.
         """
+        paths = self.paths
+        if self.output is not None and (self.are_many or len(paths) > 1):
+            raise UsageError("-o names the OUT of one IN; it does not go with another name, --output-dir or -r")
+        if self.are_many:
+            items = _items(paths, self.output_dir, self.recursive, wanted)
+            self._one_by_one(items, extension_of, done, work)
+            return
+        if len(paths) > 2:
+            raise click.UsageError(f"{len(paths)} names; give IN and OUT, or --output-dir for many {content}")
+        if paths[0] != STANDARD and os.path.isdir(paths[0]):
+            from sgicodec.image.zarr_reader import is_zarr  # takes long to load
+
+            if not is_zarr(Path(paths[0])):  # which is a picture
+                raise misfit(f"{display(paths[0])}: it is a folder; add -r to take the {content} in it")
+        work(paths[0], self.output or (paths[1] if len(paths) == 2 else None))
+
+    def _one_by_one(
+        self, items: list[Item], extension_of: Callable[[str], str], done: str, work: Callable[[str, str], int]
+    ) -> None:
+        """Reports failures as they occur, then sums up. Raises BatchError if some failed. Ctrl-C ends it."""
         failed, skipped, finished, size, started = 0, 0, 0, 0, time.monotonic()
-        with batch_progress(self.mode, len(items)) as draw:
+        with batch_progress("off" if self.quiet else self.progress, len(items)) as draw:
             for number, item in enumerate(items):
                 draw(number, display(item.source), time_left(len(items) - number, finished, time.monotonic() - started))
                 try:
-                    target = self._target(item, extension_of)
+                    target = _target(item, extension_of)
                     if self.skip_existing and os.path.exists(target):
                         skipped += 1
                         continue
@@ -111,25 +163,33 @@ class Batch:
                 except SgiError as error:
                     failed += 1
                     complain(error, item.source, item.stem)
-        self._sum_up(len(items), finished, skipped, failed, size)
-        if failed:
-            raise BatchError(f"{failed} of {len(items)} files failed")
-
-    def _target(self, item: Item, extension_of: Callable[[str], str]) -> str:
-        if item.failure:
-            raise SgiError(f"{display(item.source)}: {item.failure}")
-        target = f"{item.stem}.{extension_of(item.source)}"
-        if item.clash is not None:
-            raise UsageError(f"{display(item.source)}: {display(target)} is that of {display(item.clash)}")
-        return target
-
-    def _sum_up(self, files: int, finished: int, skipped: int, failed: int, size: int) -> None:
         if self.as_json:
-            counts = {"files": files, self.done: finished, "skipped": skipped, "failed": failed}
+            counts = {"files": len(items), done: finished, "skipped": skipped, "failed": failed}
             print_json(counts | {"bytes": size})
         elif not self.quiet:
             there = f", {skipped} there already" if skipped else ""
-            click.echo(f"{finished} of {files} files {self.done}{there}, {size:,} bytes")
+            click.echo(f"{finished} of {len(items)} files {done}{there}, {size:,} bytes")
+        if failed:
+            raise BatchError(f"{failed} of {len(items)} files failed")
+
+
+def takes_files(command: Callable[..., None]) -> Callable[..., None]:
+    """The command with the options that `Files` are made of instead of these, which are its first argument."""
+
+    @wraps(command)
+    def call(**given: Any) -> None:
+        command(Files(**{field.name: given.pop(field.name) for field in fields(Files)}), **given)
+
+    return call
+
+
+def _target(item: Item, extension_of: Callable[[str], str]) -> str:
+    if item.failure:
+        raise SgiError(f"{display(item.source)}: {item.failure}")
+    target = f"{item.stem}.{extension_of(item.source)}"
+    if item.clash is not None:
+        raise UsageError(f"{display(item.source)}: {display(target)} is that of {display(item.clash)}")
+    return target
 
 
 def time_left(files: int, finished: int, seconds: float) -> str:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from sgicodec.cli.batch import Batch, batch_items
+from sgicodec.cli.batch import Files, takes_files
 from sgicodec.cli.command import HelpfulCommand
 from sgicodec.cli.decode_file import DecodeJob
 from sgicodec.cli.limits import DecodeLimits
@@ -25,7 +25,7 @@ from sgicodec.cli.options import (
     quiet_option,
     threads_option,
 )
-from sgicodec.cli.paths import is_stream, refuse_folder
+from sgicodec.cli.paths import is_stream
 from sgicodec.cli.pictures import Output
 from sgicodec.cli.views import ViewOptions
 from sgicodec.device import Device
@@ -33,7 +33,6 @@ from sgicodec.errors import StreamError, UsageError
 from sgicodec.plugins.compression import Compression
 
 if TYPE_CHECKING:
-    from sgicodec.cli.progress import Mode
     from sgicodec.decoder.stream import Region
 
 __all__ = ["decode"]
@@ -91,8 +90,9 @@ __all__ = ["decode"]
 @progress_option
 @json_option
 @quiet_option
+@takes_files
 def decode(
-    paths: tuple[str, ...],
+    files: Files,
     region: Region | None,
     scale: float | None,
     size: Sized | None,
@@ -109,15 +109,7 @@ def decode(
     metadata: bool,
     exact: bool,
     lossy: bool,
-    output: str | None,
-    output_dir: str | None,
-    recursive: bool,
-    skip_existing: bool,
     threads: int,
-    force: bool,
-    progress: Mode,
-    as_json: bool,
-    quiet: bool,
 ) -> None:
     """Decode stream IN into picture OUT; - stands for stdin or stdout.
 
@@ -126,15 +118,13 @@ def decode(
 
     With --output-dir or -r many IN are decoded one after the other; one that fails does not stop the others.
     """
-    view = ViewOptions(region, scale, size, boundless, quiet)
+    view = ViewOptions(region, scale, size, boundless, files.quiet)
     bits = None if depth is None else int(depth)
     if pyramid and cog:
         raise UsageError("--pyramid and --cog exclude each other")
     compression = None if compress is None else Compression.parse(compress)
-    many = output_dir is not None or recursive
-    by_default = output_dir is None and output is None and (recursive or len(paths) == 1)
-    how = (output is not None, by_default, as_json, quiet, "off" if many else progress)
     job = DecodeJob(
+        files,
         view,
         DecodeLimits.of(max_pixels, max_memory),
         Output(bits, png_level, threads, "cog" if cog else "tiff" if pyramid else None, compression),
@@ -144,19 +134,5 @@ def decode(
         exact,
         dither,
         lossy,
-        force,
-        *how,
-    )  # type: ignore[arg-type]
-    if output is not None and (many or len(paths) > 1):
-        raise UsageError("-o names the OUT of one IN; it does not go with another name, --output-dir or -r")
-    if many:
-        batch = Batch("decoded", skip_existing, "off" if quiet else progress, as_json, quiet)
-        batch.run(batch_items(paths, output_dir, recursive, is_stream), job.extension_of, job.run)
-        return
-    if len(paths) > 2:
-        raise click.UsageError(f"{len(paths)} names; give IN and OUT, or --output-dir for many streams")
-    refuse_folder(paths[0], "streams", StreamError)
-    target = output or (paths[1] if len(paths) == 2 else None)
-    if skip_existing and job.is_there(paths[0], target):
-        return
-    job.run(paths[0], target)
+    )
+    files.each("streams", StreamError, is_stream, job.extension_of, "decoded", job.run)

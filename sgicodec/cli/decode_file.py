@@ -10,15 +10,15 @@ from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
 from threading import Thread
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import click
 
+from sgicodec.cli.batch import Files
 from sgicodec.cli.json_output import print_json
 from sgicodec.cli.limits import DecodeLimits
 from sgicodec.cli.paths import (
     STANDARD,
-    check_output,
     display,
     local_name,
     name_of,
@@ -28,7 +28,7 @@ from sgicodec.cli.paths import (
 )
 from sgicodec.cli.pictures import Output, path_for, write_bands, write_picture, write_pyramid
 from sgicodec.cli.place import losses, lost_outside_tiff
-from sgicodec.cli.progress import Mode, row_progress
+from sgicodec.cli.progress import row_progress
 from sgicodec.cli.residual import check_below
 from sgicodec.cli.views import ViewOptions
 from sgicodec.device import Device, room_left
@@ -57,8 +57,9 @@ _DTYPES = {None: None, 8: "uint8", 16: "uint16", 32: "float32"}
 
 @dataclass(frozen=True)
 class DecodeJob:
-    """What the options say. named: whether OUT was named with -o; by_default: whether nobody named it."""
+    """What the options say."""
 
+    files: Files
     view: ViewOptions
     limits: DecodeLimits
     output: Output
@@ -68,12 +69,6 @@ class DecodeJob:
     exact: bool
     dither: bool
     lossy: bool
-    force: bool
-    named: bool
-    by_default: bool
-    as_json: bool
-    quiet: bool
-    progress: Mode
 
     def extension_of(self, source: str) -> str:
         """That of the picture which a stream becomes, if OUT is not named."""
@@ -88,22 +83,18 @@ class DecodeJob:
                 stream.metadata = Metadata()
             yield stream
 
-    def is_there(self, source: str, target: str | None) -> bool:
-        """Whether the picture exists already."""
-        return os.path.exists(target or with_extension(source, self.extension_of(source)))
-
     def run(self, source: str, target: str | None) -> int:
         """Decodes one stream; returns the bytes of the picture."""
+        files = self.files
+        if files.skip_existing and os.path.exists(target or with_extension(source, self.extension_of(source))):
+            return 0
         started = time.monotonic()
         with self._opened(source) as stream:
             extension = self._extension(stream, target)
             target = with_extension(source, extension) if target is None else target
             if self.output.compression is not None and self.output.pyramid_of(target) in (None, "zarr"):
                 raise UsageError("--compress is of TIFF: give --cog, --pyramid or an OUT that ends in .ome.tif")
-            if self.as_json and target == STANDARD:
-                raise UsageError("stdout cannot take both the picture and --json; name OUT")
-            becomes: Literal["picture"] | None = None if self.named else "picture"
-            check_output(target, (source,), self.force, by_default=self.by_default, becomes=becomes)
+            files.check(source, target, "picture")
             dtype, kind = _DTYPES[self.output.bits], self.output.pyramid_of(target)
             dtype = None if dtype == stream.header.sample_type else dtype
             lost = losses(stream.metadata, stream.nodata, extension, dtype, kind == "cog")
@@ -111,13 +102,13 @@ class DecodeJob:
             with self.limits.held(), path_for(target, extension) as path:
                 shown, channels = self._write(stream, path, extension, kind), stream.header.channels
                 size = size_of(path)
-        for line in () if self.quiet else lost:
+        for line in () if files.quiet else lost:
             click.echo(f"sgi: {display(target, 'stdout')}: {line}", err=True)
-        if self.as_json:
+        if files.as_json:
             names = {"input": name_of(source), "output": name_of(target)}
             facts = {"width": shown.width, "height": shown.height, "channels": channels, "format": extension}
             print_json(names | facts | {"bytes": size, "seconds": time.monotonic() - started})
-        elif not self.quiet:
+        elif not files.quiet:
             line = f"{display(target, 'stdout')}: {shown.width}×{shown.height} pixels, {channels}, {size:,} bytes"
             click.echo(f"{line}, {time.monotonic() - started:.1f} s", err=target == STANDARD)
         return size
@@ -148,7 +139,6 @@ class DecodeJob:
         from sgicodec.image.formats import find
 
         view = self.view.of(stream) | {"dtype": _DTYPES[self.output.bits]}
-        mode: Mode = "off" if self.quiet else self.progress
         bands = stream.bands(**view)
         whole = stream.grid.count == 1 and pyramid is None
         rows = bands.height if whole else bands.rows
@@ -156,14 +146,14 @@ class DecodeJob:
             rows += bands.height * find(extension).in_library
         self.limits.check(bands.width, bands.height, bands.row_bytes * rows)
         if pyramid is not None:
-            with row_progress(mode, bands.height) as draw:
+            with row_progress(self.files.mode, bands.height) as draw:
                 write_pyramid(stream, view, path, pyramid, self.output, draw)
             return bands
         if not whole:
-            with row_progress(mode, bands.height) as draw:
+            with row_progress(self.files.mode, bands.height) as draw:
                 write_bands(stream.header, bands, path, extension, self.output, draw)
             return bands
-        with row_progress(mode, None):
+        with row_progress(self.files.mode, None):
             picture = stream.picture(**view)
             write_picture(picture, path, extension, self.output)
         return picture

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from sgicodec.cli.batch import Batch, batch_items
+from sgicodec.cli.batch import Files, takes_files
 from sgicodec.cli.command import HelpfulCommand
 from sgicodec.cli.options import (
     BYTES,
@@ -27,20 +27,19 @@ from sgicodec.cli.options import (
     target_options,
     threads_option,
 )
-from sgicodec.cli.paths import display, refuse_folder, with_extension
+from sgicodec.cli.paths import display, with_extension
 from sgicodec.cuda.choice import check_name, device_of
 from sgicodec.errors import PictureError, UsageError
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from sgicodec.cli.progress import Mode
     from sgicodec.encoder.settings import EncodeSettings
-    from sgicodec.image.opened import Alpha
-    from sgicodec.image.used_range import RangeChoice
 
 __all__ = ["encode"]
 
+_OF_EACH = ("sample_range", "alpha", "page", "max_memory", "resume", "verify")
+"""Options beside the settings of a stream that `EncodeOptions` has as they are."""
 _MAX_FILE = 1 << 20
 """Bytes that are read of networks: more than any may have."""
 
@@ -150,25 +149,12 @@ _MAX_FILE = 1 << 20
 @force_option
 @json_option
 @quiet_option
+@takes_files
 def encode(
-    paths: tuple[str, ...],
-    output: str | None,
-    output_dir: str | None,
-    recursive: bool,
-    skip_existing: bool,
-    as_json: bool,
-    quiet: bool,
-    sample_range: RangeChoice | None,
-    verify: bool,
-    progress: Mode,
-    force: bool,
-    resume: bool,
-    max_memory: float | None,
+    files: Files,
     cluster: str | None,
     source_at: str | None,
     send_pixels: bool,
-    alpha: Alpha,
-    page: int | None,
     threads: int,
     device: str,
     lossless: bool,
@@ -193,56 +179,26 @@ def encode(
         if choices[name] is not None:
             with open(choices[name], "rb") as file:
                 choices[name] = file.read(_MAX_FILE)
+    of_each = {name: choices.pop(name) for name in _OF_EACH}
     settings = _settings(choices)
     if cluster is None and (source_at is not None or send_pixels):
         raise UsageError("--source-at and --send-pixels go with --cluster")
     if source_at is not None and send_pixels:
         raise UsageError("--source-at and --send-pixels exclude each other")
     verbose = bool(click.get_current_context().meta.get(VERBOSE))
-    many = output_dir is not None or recursive
-    by_default = output_dir is None and output is None and (recursive or len(paths) == 1)
 
-    def run(source: str, target: str) -> int:
+    def run(source: str, target: str | None) -> int:
+        target = _default_target(source) if target is None else target
+        if files.skip_existing and os.path.exists(target):
+            return 0
         started = time.monotonic()
         from sgicodec.cli.encode_file import EncodeOptions, encode_file
 
-        options = EncodeOptions(
-            settings=settings,
-            sample_range=sample_range,
-            alpha=alpha,
-            page=page,
-            device=computes,
-            device_name=device,
-            max_memory=max_memory,
-            cluster=cluster,
-            source_at=source_at,
-            send_pixels=send_pixels,
-            resume=resume,
-            verify=verify,
-            force=force,
-            progress="off" if many else progress,
-            as_json=as_json,
-            quiet=quiet,
-            verbose=verbose,
-            is_batch=many,
-            is_named=output is not None,
-            is_default=by_default,
-        )
+        where: dict[str, Any] = {"cluster": cluster, "source_at": source_at, "send_pixels": send_pixels}
+        options = EncodeOptions(files, settings, computes, device, verbose, **where, **of_each)
         return encode_file(source, target, options, started)
 
-    if output is not None and (many or len(paths) > 1):
-        raise UsageError("-o names the OUT of one IN; it does not go with another name, --output-dir or -r")
-    if many:
-        batch = Batch("encoded", skip_existing, "off" if quiet else progress, as_json, quiet)
-        batch.run(batch_items(paths, output_dir, recursive, _is_picture), lambda _: "sgi", run)
-        return
-    if len(paths) > 2:
-        raise click.UsageError(f"{len(paths)} names; give IN and OUT, or --output-dir for many pictures")
-    refuse_folder(paths[0], "pictures", PictureError)
-    named = output or (paths[1] if len(paths) == 2 else None)
-    target = _default_target(paths[0]) if named is None else named
-    if not (skip_existing and os.path.exists(target)):
-        run(paths[0], target)
+    files.each("pictures", PictureError, _is_picture, lambda _: "sgi", "encoded", run)
 
 
 def _is_picture(path: Path) -> bool:

@@ -8,11 +8,10 @@ import time
 from contextlib import ExitStack
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, BinaryIO, Literal
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 from sgicodec.cli.encode_listener import EncodeListener
-from sgicodec.cli.paths import STANDARD, check_output, display, given, writing
-from sgicodec.cli.progress import Mode
+from sgicodec.cli.paths import STANDARD, display, given, writing
 from sgicodec.cli.report import Report, print_report
 from sgicodec.cuda.choice import device_of
 from sgicodec.encoder.tiles.checkpoint import Checkpoint
@@ -23,6 +22,7 @@ from sgicodec.executors.processes import ProcessExecutor
 from sgicodec.image.source import open_to_encode
 
 if TYPE_CHECKING:
+    from sgicodec.cli.batch import Files
     from sgicodec.device import Device
     from sgicodec.encoder.plan import Plan
     from sgicodec.encoder.settings import EncodeSettings
@@ -38,18 +38,20 @@ __all__ = ["EncodeOptions", "encode_file"]
 class EncodeOptions:
     """What the options of `sgi encode` say of each picture."""
 
+    files: Files
     settings: EncodeSettings
     """What the stream is to be."""
+    device: Device
+    """What computes in this process."""
+    device_name: str
+    """What was asked for, which workers of a cluster find on their machines."""
+    verbose: bool
     sample_range: RangeChoice | None
     """The samples that stand for 0 and 1, None for what suits the picture."""
     alpha: Alpha
     """What a last band is taken for."""
     page: int | None
     """Which page of a file that holds several, from 1; None for the first."""
-    device: Device
-    """What computes in this process."""
-    device_name: str
-    """What was asked for, which workers of a cluster find on their machines."""
     max_memory: float | None
     """Bytes of all processes together, None for any."""
     cluster: str | None
@@ -62,18 +64,6 @@ class EncodeOptions:
     """Whether to go on with an interrupted encode."""
     verify: bool
     """Whether the stream is decoded and measured."""
-    force: bool
-    """Whether a file that is there may be overwritten."""
-    progress: Mode
-    as_json: bool
-    quiet: bool
-    verbose: bool
-    is_batch: bool
-    """Whether it is one of many pictures."""
-    is_named: bool
-    """Whether the target was named with -o."""
-    is_default: bool
-    """Whether nobody named the target."""
 
 
 def encode_file(origin: str, target: str, options: EncodeOptions, started: float) -> int:
@@ -85,20 +75,17 @@ def encode_file(origin: str, target: str, options: EncodeOptions, started: float
     from sgicodec._native import keep_freed_memory
 
     keep_freed_memory()
-    if options.as_json and target == STANDARD:
-        raise UsageError("stdout cannot take both the stream and --json; name OUT")
-    becomes: Literal["stream"] | None = None if options.is_named else "stream"
-    check_output(target, (origin,), options.force, by_default=options.is_default, becomes=becomes)
+    files = options.files
+    files.check(origin, target, "stream")
     data, missed = given(origin), None
     with ExitStack() as stack:
-        mode: Mode = "off" if options.quiet else options.progress
-        listener = EncodeListener(mode, options.quiet, options.cluster is not None, origin)
+        listener = EncodeListener(files.mode, files.quiet, options.cluster is not None, origin)
         samples: dict[str, Any] = {"sample_range": options.sample_range, "alpha": options.alpha, "page": options.page}
         keeps = options.max_memory is None
         source = stack.enter_context(open_to_encode(data, listener.note, **samples, option="--page", keeps=keeps))
         executor = _executor(origin, options, source, stack)
         device = device_of(options.device_name, options.device.threads) if executor is None else options.device
-        checkpoint = Checkpoint(_part(target, stack), options.resume, options.force)
+        checkpoint = Checkpoint(_part(target, stack), options.resume, files.force)
         output: Path | BinaryIO = sys.stdout.buffer if target == STANDARD else Path(target)
         from sgicodec.encoder.pipeline import encode_picture
 
@@ -123,15 +110,15 @@ def encode_file(origin: str, target: str, options: EncodeOptions, started: float
             done = len({version.tile for version in checkpoint.tiles})
             text = f"{done} of {listener.tiles} tiles are in {display(target)}.part"
             raise EncodeInterruptedError(f"interrupted; {text}, --resume goes on") from None
-    if not options.quiet or options.as_json:
-        report = Report.of(listener.plan, encoded, source.rounding, options.device_name)
+    if not files.quiet or files.as_json:
+        report = Report(listener.plan, encoded, source.rounding, options.device_name)
         seconds, own = time.monotonic() - started, own_peak()
         workers = executor.peaks.bytes if isinstance(executor, ProcessExecutor) else 0
         peak = None if own is None else (own + workers) / MIB
-        print_report(report, origin, target, seconds, peak, options.as_json, options.verbose)
+        print_report(report, origin, target, seconds, peak, files.as_json, options.verbose)
     if missed is not None:
         raise TargetMissedError(f"{missed}; it is written to {display(target, 'stdout')}")
-    if listener.ended_early and options.is_batch:
+    if listener.ended_early and files.are_many:
         raise KeyboardInterrupt
     return encoded.size
 
@@ -149,7 +136,7 @@ def _executor(origin: str, options: EncodeOptions, source: Source, stack: ExitSt
     Raises UsageError for what one tile cannot have.
     """
     count = options.settings.grid(source.width, source.height).count
-    if count == 1 and options.resume and not options.is_batch:
+    if count == 1 and options.resume and not options.files.are_many:
         text = "a picture in one tile keeps no checkpoint; leave --resume out"
         side = next((side for side in (1024, 512, 256) if max(source.width, source.height) > side), None)
         raise UsageError(text + (f", or cut the picture into tiles with --tile {side}" if side else ""))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 import click
 
@@ -50,26 +50,29 @@ def complete_files(ctx: click.Context, param: click.Parameter, incomplete: str) 
     return [CompletionItem(incomplete, type="file")]
 
 
-class _Pattern(click.ParamType):  # type: ignore[type-arg]
-    """A value that is read from the groups of a regular expression; `name` is what help shows."""
+class _Value(click.ParamType):  # type: ignore[type-arg]
+    """What `read` makes of a text, None or a ValueError where that makes no sense; `name` is what help shows."""
 
-    def __init__(self, name: str, pattern: str, example: str) -> None:
-        self.name, self._pattern, self._example = name, re.compile(pattern), example
+    def __init__(self, name: str, example: str, read: Callable[[str], Any]) -> None:
+        self.name, self._example, self._read = name, example, read
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         """Called by click. Values that were converted before are left alone."""
-        if not isinstance(value, str):
-            return value
-        found = self._pattern.fullmatch(value.strip())
-        result = None if found is None else self.read(found)
-        return self._refuse(value, param, ctx) if result is None else result
+        try:
+            found = self._read(value) if isinstance(value, str) else value
+        except ValueError:
+            found = None
+        return (
+            found
+            if found is not None
+            else self.fail(f"{value!r} is not {self.name}, as in {self._example}", param, ctx)
+        )
 
-    def read(self, found: re.Match[str]) -> Any:
-        """The value, or None if it makes no sense."""
-        raise NotImplementedError
 
-    def _refuse(self, value: str, param: click.Parameter | None, ctx: click.Context | None) -> NoReturn:
-        self.fail(f"{value!r} is not {self.name}, as in {self._example}", param, ctx)
+def _pattern(name: str, pattern: str, example: str, read: Callable[[re.Match[str]], Any]) -> _Value:
+    """A value that is read from the groups of a regular expression."""
+    compiled = re.compile(pattern)
+    return _Value(name, example, lambda text: (found := compiled.fullmatch(text.strip())) and read(found))
 
 
 class _Name(click.ParamType):  # type: ignore[type-arg]
@@ -84,16 +87,14 @@ class _Name(click.ParamType):  # type: ignore[type-arg]
         return value
 
 
-class _Region(_Pattern):
-    def read(self, found: re.Match[str]) -> tuple[int, ...]:
-        return tuple(int(part) for part in found.groups())
+def _region(found: re.Match[str]) -> tuple[int, ...]:
+    return tuple(int(part) for part in found.groups())
 
 
-class _Scale(_Pattern):
-    def read(self, found: re.Match[str]) -> float | None:
-        above, below = (float(part or 1) for part in found.groups()[:2])
-        below *= 100 if found[3] == "%" else 1
-        return above / below if below and 0 < above / below < math.inf else None
+def _scale(found: re.Match[str]) -> float | None:
+    above, below = (float(part or 1) for part in found.groups()[:2])
+    below *= 100 if found[3] == "%" else 1
+    return above / below if below and 0 < above / below < math.inf else None
 
 
 class Sized(NamedTuple):
@@ -104,55 +105,37 @@ class Sized(NamedTuple):
     exact: bool = False
 
 
-class _Size(_Pattern):
-    def read(self, found: re.Match[str]) -> Sized | None:
-        width, height = (int(part) if part else None for part in found.groups()[:2])
-        exact = bool(found[3])
-        lacks = (width is height is None) or (exact and None in (width, height))
-        return None if lacks or 0 in (width, height) else Sized(width, height, exact)
+def _size(found: re.Match[str]) -> Sized | None:
+    width, height = (int(part) if part else None for part in found.groups()[:2])
+    exact = bool(found[3])
+    lacks = (width is height is None) or (exact and None in (width, height))
+    return None if lacks or 0 in (width, height) else Sized(width, height, exact)
 
 
-class _SampleRange(_Pattern):
-    def read(self, found: re.Match[str]) -> str | tuple[float, float] | None:
-        if found[0] in ("used", "type"):
-            return found[0]
-        try:
-            low, high = (float(part) for part in found.groups())
-        except ValueError:
-            return None
-        return (low, high) if -math.inf < low < high < math.inf else None
+def _sample_range(found: re.Match[str]) -> str | tuple[float, float] | None:
+    if found[0] in ("used", "type"):
+        return found[0]
+    low, high = (float(part) for part in found.groups())
+    return (low, high) if -math.inf < low < high < math.inf else None
 
 
-class _Number(click.ParamType):  # type: ignore[type-arg]
-    """A number; `name` says of what, `example` shows some."""
-
-    def __init__(self, name: str, example: str, kind: type[float] | type[int] = float) -> None:
-        self.name, self._example, self._kind = name, example, kind
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        """Called by click."""
-        try:
-            return self._kind(value)
-        except ValueError:
-            self.fail(f"{value!r} is not {self.name}, as in {self._example}", param, ctx)
-
-
-class _Bytes(_Pattern):
-    def read(self, found: re.Match[str]) -> float | None:
-        number, prefix, binary = found.groups()
-        size = float(number) * (1024 if binary else 1000) ** " kmg".index((prefix or " ").lower())
-        return size if 1 <= size < math.inf else None
+def _bytes(found: re.Match[str]) -> float | None:
+    number, prefix, binary = found.groups()
+    size = float(number) * (1024 if binary else 1000) ** " kmg".index((prefix or " ").lower())
+    return size if 1 <= size < math.inf else None
 
 
 _NUMBER = r"(\d+\.?\d*|\.\d+)"
 
-REGION = _Region("X,Y,W,H", r"(-?\d+) ?, ?(-?\d+) ?, ?(\d+) ?, ?(\d+)", "100,50,256,256")
-BYTES = _Bytes("BYTES", rf"{_NUMBER} ?(?:([kKmMgG])(i?))?B?", "20000, 200kB or 1.5MiB")
-SCALE = _Scale("F", rf"{_NUMBER}(?:(?:/{_NUMBER})?| ?([%xX×]))", "0.5, 1/4 or 50%")
-SIZE = _Size("WxH", r"(\d*) ?[xX×] ?(\d*)(!?)", "512x384, 512x, x384 or 512x384!, or --scale 50%")
-QUALITY = _Number("a number from 1 to 100", "90 (visually lossless), 65 (web) or 40 (preview)")
-EFFORT = _Number("a valid integer from 1 to 9", "2 (fast), 5 or 9 (smallest)", int)
-SAMPLE_RANGE = _SampleRange("used, type or LOW,HIGH", r"used|type|([^,]+),([^,]+)", "used, 0,4095 or -40,1500.5")
+REGION = _pattern("X,Y,W,H", r"(-?\d+) ?, ?(-?\d+) ?, ?(\d+) ?, ?(\d+)", "100,50,256,256", _region)
+BYTES = _pattern("BYTES", rf"{_NUMBER} ?(?:([kKmMgG])(i?))?B?", "20000, 200kB or 1.5MiB", _bytes)
+SCALE = _pattern("F", rf"{_NUMBER}(?:(?:/{_NUMBER})?| ?([%xX×]))", "0.5, 1/4 or 50%", _scale)
+SIZE = _pattern("WxH", r"(\d*) ?[xX×] ?(\d*)(!?)", "512x384, 512x, x384 or 512x384!, or --scale 50%", _size)
+QUALITY = _Value("a number from 1 to 100", "90 (visually lossless), 65 (web) or 40 (preview)", float)
+EFFORT = _Value("a valid integer from 1 to 9", "2 (fast), 5 or 9 (smallest)", int)
+SAMPLE_RANGE = _pattern(
+    "used, type or LOW,HIGH", r"used|type|([^,]+),([^,]+)", "used, 0,4095 or -40,1500.5", _sample_range
+)
 
 
 def verbose_option(command: _Command) -> _Command:
@@ -197,7 +180,7 @@ quiet_option = click.option("--quiet", is_flag=True, help="Print errors only.")
 def target_options(command: Callable[..., None]) -> Callable[..., None]:
     """Adds an option for each target that a stream may end at."""
     for name, target in reversed(TARGETS.items()):
-        kind = BYTES if name == "size" else _Number(target.noun, target.example)
+        kind = BYTES if name == "size" else _Value(target.noun, target.example, float)
         command = click.option(f"--{name}", type=kind, metavar=target.metavar, help=target.help)(command)
     return command
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, BinaryIO, Literal
 
 from sgicodec.cli.standard_streams import check_stdout
 from sgicodec.device import ALL_CORES, Device
-from sgicodec.errors import OutputExistsError, PictureError, SgiError, StreamError, UsageError
+from sgicodec.errors import OutputExistsError, PictureError, StreamError, UsageError
 from sgicodec.plugins.ome_name import is_zarr_name
 from sgicodec.remote.url import file_name, is_url
 
@@ -30,7 +30,6 @@ __all__ = [
     "naming_stream",
     "opened_stream",
     "output_file",
-    "refuse_folder",
     "size_of",
     "with_extension",
     "writing",
@@ -91,25 +90,11 @@ def is_stream(path: str | Path) -> bool:
     return recognition.is_stream(path)
 
 
-def refuse_folder(source: str, content: str, failure: type[SgiError]) -> None:
-    """Raises `failure` where IN is a folder, whose content is taken with -r. A folder of Zarr is a picture."""
-    if source != STANDARD and os.path.isdir(source) and not _is_zarr(source):
-        raise failure(f"{display(source)}: it is a folder; add -r to take the {content} in it")
-
-
 def size_of(path: str | Path) -> int:
     """Bytes of a file, or of all files in a folder and its subfolders."""
     if not os.path.isdir(path):
         return os.stat(path).st_size
     return sum(os.stat(os.path.join(folder, name)).st_size for folder, _, names in os.walk(path) for name in names)
-
-
-def _is_zarr(source: str) -> bool:
-    from pathlib import Path
-
-    from sgicodec.image.zarr_reader import is_zarr
-
-    return is_zarr(Path(source))
 
 
 def check_output(

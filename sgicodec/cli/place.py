@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -24,15 +25,7 @@ def place_facts(stream: Stream) -> dict[str, Any]:
     description = described(exif).get(DESCRIPTION)
     nodata = stream.nodata
     return {
-        "place": place
-        and {
-            "epsg": place.epsg,
-            "name": place.name,
-            "bounds": place.bounds,
-            "pixel_size": place.pixel_size,
-            "unit": place.unit,
-            "rotated": place.rotated,
-        },
+        "place": place and asdict(place),
         "nodata": str(nodata) if nodata is not None and not math.isfinite(nodata) else nodata,
         "magnification": None if description is None else magnification(description.data),
         "resolution": scale and {"microns_per_pixel": scale.microns, "stated": scale.stated},

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -39,31 +38,22 @@ def verify(sources: tuple[str, ...], threads: int, as_json: bool, quiet: bool) -
                 print_json({"input": name_of(source), "ok": False, "error": str(error)})
             raise
         if as_json:
-            print_json({"input": name_of(source), "ok": True, "error": None} | asdict(found))
+            print_json({"input": name_of(source), "ok": True, "error": None} | found)
         elif not quiet:
-            size = f"{found.width}×{found.height} pixels"
-            click.echo(f"{display(source)}: ok, {size}, symbols {found.symbol_crc}")
+            size = f"{found['width']}×{found['height']} pixels"
+            click.echo(f"{display(source)}: ok, {size}, symbols {found['symbol_crc']}")
 
     each_file(sources, check)
 
 
-@dataclass(frozen=True)
-class _Sound:
+def _verified(source: str, device: Device) -> dict[str, Any]:
     """What is said of a sound stream."""
-
-    width: int
-    height: int
-    bytes: int
-    tiles: int
-    symbol_crc: str
-
-
-def _verified(source: str, device: Device) -> _Sound:
     with opened_stream(source, device) as stream:
         _draw(stream)
         if stream.has_overview:
             _draw(stream.overview)
-        return _Sound(stream.width, stream.height, stream.size, stream.grid.count, f"{stream.symbol_crc:08x}")
+        found = {"width": stream.width, "height": stream.height, "bytes": stream.size, "tiles": stream.grid.count}
+        return found | {"symbol_crc": f"{stream.symbol_crc:08x}"}
 
 
 def _draw(stream: Stream) -> None:

@@ -239,7 +239,8 @@ class Stream(ArrayView):
         pixels = self._draw(view, header.sample_type, 0, view.rows)
         from sgicodec.picture import Picture  # loads numpy, and another thread may do so while it is rendered
 
-        return Picture(pixels, header.channels, header.sample_range, view_metadata(self, header, view), header.blank)
+        metadata = view_metadata(self.metadata, self.header.sample_type, header, view)
+        return Picture(pixels, header.channels, header.sample_range, metadata, header.blank)
 
     def bands(
         self,
@@ -256,7 +257,8 @@ class Stream(ArrayView):
         """
         view = view_of(self.header, region, scale, size, most=None, boundless=boundless)
         header = self._header(dtype)
-        return Bands(header, view, view_metadata(self, header, view), partial(self._draw, view, header.sample_type))
+        metadata = view_metadata(self.metadata, self.header.sample_type, header, view)
+        return Bands(header, view, metadata, partial(self._draw, view, header.sample_type))
 
     def _open_native(self) -> _native.Stream:
         native = self._native

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Protocol
 
 from sgicodec.bitstream.header import Header
 from sgicodec.decoder.view import View
@@ -12,14 +11,8 @@ from sgicodec.metadata.blobs import Metadata
 __all__ = ["view_metadata"]
 
 
-class _Stream(Protocol):
-    header: Header
-    metadata: Metadata
-
-
-def view_metadata(stream: _Stream, header: Header, view: View) -> Metadata:
-    """The metadata of what a view shows, in samples as of `header`."""
-    found = stream.metadata
+def view_metadata(found: Metadata, sample_type: str, header: Header, view: View) -> Metadata:
+    """The metadata of what a view shows, in samples as of `header`, from those of a stream of `sample_type`."""
     if (found.exif, found.xmp) != (None, None):
         from sgicodec.metadata.motion import Motion
 
@@ -34,7 +27,7 @@ def view_metadata(stream: _Stream, header: Header, view: View) -> Metadata:
     from sgicodec.metadata.placement import view as geo_view  # takes long to load
 
     georeference = geo_view(found.geo, view.x, view.y, view.sx, view.sy)
-    if header.sample_type != stream.header.sample_type:
+    if header.sample_type != sample_type:
         georeference = geo.resampled(georeference, lambda _: header.nodata)
     if header.blank is not None:
         georeference = geo.with_nodata(georeference, header.blank)

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from sgicodec.profiles.default import lmbda_of_quality
-from sgicodec.rdoq.settings import RdoqSettings
+from sgicodec.rdoq import RdoqSettings
 from sgicodec.rdoq.texture import NO_SPLIT_SEARCH, SPLIT_SEARCH_MARGIN
 
 __all__ = [

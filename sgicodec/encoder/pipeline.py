@@ -203,7 +203,7 @@ def _encoded(
     tiles = store if store is not None and plan.header.tile else Store()  # one tile cannot be resumed
 
     with one_blas_thread(), tiles.opened(lambda: fingerprint(plan, windows.digest())):
-        streams = Streams(request, executor, tiles, _OverviewTask)
+        streams = Streams(request, executor, tiles, _overview)
         finished, missed = (streams.of(plan), None) if request.target is None else streams.nearest(request.target)
         request.check_unchanged()
         data, size, psnr = output.write(lambda file: finished.write(file, tiles))
@@ -216,15 +216,9 @@ def _encoded(
     return encoded
 
 
-@dataclass(frozen=True)
-class _OverviewTask:
-    """Encodes a picture as a stream of its own."""
-
-    settings: EncodeSettings
-
-    def __call__(self, number: int, window: Picture, device: Device) -> bytes:
-        """The stream of `window`."""
-        return encode_all_channels(window, self.settings, device)
+def _overview(settings: EncodeSettings, number: int, window: Picture, device: Device) -> bytes:
+    """The task of making `window` a stream of its own."""
+    return encode_all_channels(window, settings, device)
 
 
 def _summary(data: bytes, size: int, finished: Finished, store: Store) -> Encoded:

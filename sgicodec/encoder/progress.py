@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from sgicodec.encoder.plan import Plan
 from sgicodec.encoder.tile.state import TileListener
 from sgicodec.encoder.tile.writing import EncodedTile
 from sgicodec.executors.executor import Memory
+from sgicodec.model.tile_grid import Rect
 
-__all__ = ["NullListener", "PassReporter", "PassState"]
+__all__ = ["NullListener", "PassState"]
 
 
 @dataclass
@@ -30,8 +30,9 @@ class PassState:
     bytes: int = 0
     started: float = field(default_factory=time.monotonic)
 
-    def add(self, tile: EncodedTile, pixels: int, fresh: bool) -> None:
-        """Counts a tile whose core has n pixels."""
+    def add(self, tile: EncodedTile, core: Rect, fresh: bool) -> None:
+        """Counts a tile."""
+        pixels = core[2] * core[3]
         self.done += 1
         self.pixels += pixels
         self.fresh += pixels if fresh else 0
@@ -72,33 +73,3 @@ class NullListener(TileListener):
 
     def tile(self, state: PassState) -> None:
         """A pass over the tiles begins, or one more of its tiles is done."""
-
-
-class PassReporter:
-    """Reports the state of each pass to a listener, where there are several tiles: the only one reports its stages and
-    steps itself.
-    """
-
-    def __init__(self, plan: Plan, listener: NullListener) -> None:
-        self._grid, self._listener = plan.header.grid, listener
-        self._state = PassState(0, 0)
-
-    def begin(self, name: str, numbers: Sequence[int], there: dict[int, EncodedTile]) -> None:
-        """A pass over these tiles begins, some of which are there already."""
-        self._state = PassState(len(numbers), sum(map(self._area, numbers)), name)
-        for number, tile in there.items():
-            self._state.add(tile, self._area(number), fresh=False)
-        self._tell()
-
-    def done(self, number: int, tile: EncodedTile) -> None:
-        """One more is done."""
-        self._state.add(tile, self._area(number), fresh=True)
-        self._tell()
-
-    def _tell(self) -> None:
-        if self._grid.count > 1:
-            self._listener.tile(self._state)
-
-    def _area(self, number: int) -> int:
-        _, _, width, height = self._grid.core(number)
-        return width * height

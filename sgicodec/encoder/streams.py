@@ -5,6 +5,7 @@ from __future__ import annotations
 import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -15,18 +16,17 @@ from sgicodec.encoder.division import Division
 from sgicodec.encoder.input.overview import overview_picture, overview_settings, takes_overview
 from sgicodec.encoder.input.windows import Windows
 from sgicodec.encoder.plan import Plan, stream_plan
-from sgicodec.encoder.progress import NullListener, PassReporter
+from sgicodec.encoder.progress import NullListener, PassState
 from sgicodec.encoder.quality_calibration import with_quality_calibration
 from sgicodec.encoder.residual import Layer, residual_layer
 from sgicodec.encoder.settings import EncodeSettings
-from sgicodec.encoder.tiles.passes import tile_pass
 from sgicodec.encoder.tiles.runner import TileRunner
 from sgicodec.encoder.tiles.store import Store, Version
-from sgicodec.encoder.tiles.tasks import FitTask, Task
+from sgicodec.encoder.tiles.tasks import FitTask
 from sgicodec.executors.executor import Executor
 from sgicodec.metrics.distortion import decibels, squared_error
 from sgicodec.metrics.visual_score import visual_score
-from sgicodec.picture import to_rgb8
+from sgicodec.picture import Picture, to_rgb8
 from sgicodec.profiles.default import lmbda_of_quality
 from sgicodec.rate_control.quality_search import searched_quality
 from sgicodec.rate_control.target import RateTarget
@@ -54,6 +54,11 @@ class Request:
     def target(self) -> RateTarget | None:
         """What the stream is to end at."""
         return self.plan.settings.rate_target(self.plan.header.width * self.plan.header.height)
+
+    def tell(self, state: PassState) -> None:
+        """Tells the listener, where there are several tiles: the only one reports its stages and steps itself."""
+        if self.plan.header.grid.count > 1:
+            self.listener.tile(state)
 
     def at_quality(self, quality: float, **changes: Any) -> Plan:
         """The plan at a quality, also one beyond those that have a name, without its target, of which the stream tells
@@ -123,16 +128,16 @@ class Finished:
 
 
 class Streams:
-    """Streams of one picture, a pass over its tiles each. overview_of: what makes an overview by these settings."""
+    """Streams of one picture, a pass over its tiles each. overview: what makes one by its settings, as a task."""
 
     def __init__(
         self,
         request: Request,
         executor: Executor,
         store: Store,
-        overview_of: Callable[[EncodeSettings], Task[bytes]],
+        overview: Callable[[EncodeSettings, int, Picture, Device], bytes],
     ) -> None:
-        self._request, self._executor, self._store, self._overview_of = request, executor, store, overview_of
+        self._request, self._executor, self._store, self._make_overview = request, executor, store, overview
         self._passes = 0
 
     def of(self, plan: Plan, name: str = "tiles") -> Finished:
@@ -145,18 +150,33 @@ class Streams:
         return self._divided(exact, name)
 
     def _divided(self, division: Division, name: str) -> Finished:
-        """The stream of a picture that is divided."""
+        """The stream of a picture that is divided: what its tiles lack of this pass is done. A pass follows from the
+        results of earlier ones alone, so that workers, order and interruptions do not matter.
+        """
         request, index = self._request, self._passes
         self._passes += 1
         below, plan, layer = division.windows, division.plan, division.layer
         if request.target is None:  # which looks as it will: λ alone moves sizes by as little as is wanted
             plan = with_quality_calibration(below, plan)
-        runner, reporter = TileRunner(below, plan, self._executor, request.device), PassReporter(plan, request.listener)
-        overview = self._overview(plan, index, runner, reporter) if takes_overview(plan) else None
+        runner, grid, tiles = (
+            TileRunner(below, plan, self._executor, request.device),
+            plan.header.grid,
+            self._store.tiles,
+        )
+        overview = self._overview(plan, index, runner) if takes_overview(plan) else None
         task = FitTask(plan) if plan.header.tile else FitTask(plan, request.listener)
-        numbers = range(plan.header.grid.count)
-        chosen = tile_pass(name, index, task, numbers, runner, self._store, reporter)
-        header = self._store.tiles[chosen[-1]].header
+        chosen = [Version(number, index) for number in range(grid.count)]
+        state = PassState(grid.count, plan.header.width * plan.header.height, name)
+        for of in chosen:
+            if of in tiles:
+                state.add(tiles[of], grid.core(of.tile), fresh=False)
+        request.tell(state)
+        missing = [of.tile for of in chosen if of not in tiles]
+        for number, tile in runner(task, missing) if missing else ():
+            self._store.add(Version(number, index), tile)
+            state.add(tile, grid.core(number), fresh=True)
+            request.tell(state)
+        header = tiles[chosen[-1]].header
         finished = Finished(plan if header is None else replace(plan, header=header), chosen, overview)
         return finished if layer is None else replace(finished, residual=self._residual(finished, layer))
 
@@ -187,10 +207,10 @@ class Streams:
             file.seek(0)
             return self._request.psnr(file) if target.quantity == "psnr" else self._request.score(file)
 
-    def _overview(self, plan: Plan, index: int, runner: TileRunner, reporter: PassReporter) -> bytes:
+    def _overview(self, plan: Plan, index: int, runner: TileRunner) -> bytes:
         def made() -> bytes:
-            reporter.begin("overview", [], {})
-            task = self._overview_of(overview_settings(plan, plan.settings.fit_settings().lmbda))
+            self._request.tell(PassState(0, 0, "overview"))
+            task = partial(self._make_overview, overview_settings(plan, plan.settings.fit_settings().lmbda))
             return dict(runner(task, [0], window=overview_picture(plan, self._request.windows.read)))[0]
 
         return self._store.cached(f"overview {index}", made)

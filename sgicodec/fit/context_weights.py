@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec.fit.weight_bits import price_slope
-from sgicodec.model.context import input_count, output_count
+from sgicodec.model.context import network_shapes, output_count
 from sgicodec.model.network import IntNetwork
 from sgicodec.model.spec import ModelSpec
 
-__all__ = ["ContextWeights", "float_weights", "layer_shapes", "shaped"]
+__all__ = ["ContextWeights", "float_weights", "shaped"]
 
 F32 = NDArray[np.float32]
 I64 = NDArray[np.int64]
@@ -29,16 +29,6 @@ than the noise that they were trained with (docs/notes/2026-11-rdoq.md)."""
 HASH_START = 1e-4
 """θ of the hash grid starts within ± this: near enough to 0 that a sign can turn while the rate counts
 (docs/notes/2026-11-paper-profile.md)."""
-
-
-def layer_shapes(spec: ModelSpec) -> list[tuple[tuple[int, ...], ...]]:
-    """Shapes of W1, b1, W2 and b2 of the network of each coding stage."""
-    shapes: list[tuple[tuple[int, ...], ...]] = []
-    for number, stage in enumerate(spec.context.steps):
-        inputs, hidden = input_count(spec, number), spec.context.hidden
-        outputs = sum(2 * output_count(spec, group) for group in stage) + len(stage)
-        shapes.append(((hidden, inputs), (hidden,), (outputs, hidden), (outputs,)))
-    return shapes
 
 
 def shaped(shapes: Sequence[tuple[int, ...]], flat: Any) -> list[Any]:
@@ -65,16 +55,14 @@ class ContextWeights:
     first: W1, flat. rest: b1, W2 and b2, flat. tables: θ of every resolution, flat.
     """
 
-    def __init__(self, spec: ModelSpec, hash_sizes: tuple[int, ...], rng: np.random.Generator) -> None:
+    def __init__(self, spec: ModelSpec, hash_counts: Sequence[int], rng: np.random.Generator) -> None:
         self.spec = spec
-        [self._shapes] = layer_shapes(spec)
-        w1, b1, w2, b2 = self._shapes
+        w1, b1, w2, b2 = self._shapes = tuple(network_shapes(spec, 0).values())
         self.first: F32 = rng.standard_normal(math.prod(w1), np.float32) * np.float32((2.0 / w1[1]) ** 0.5)
         second = rng.standard_normal(math.prod(w2), np.float32) * np.float32(0.1 / w2[1] ** 0.5)
         self.rest: F32 = np.concatenate([np.zeros(b1, np.float32), second, np.zeros(b2, np.float32)])
-        self._tables = [(entries, spec.context.hash_features) for entries in hash_sizes]
-        count = sum(hash_sizes) * spec.context.hash_features
-        self.tables: F32 = (rng.random(count, np.float32) * 2 - 1) * np.float32(HASH_START)
+        self._tables = [(count // spec.context.hash_features, spec.context.hash_features) for count in hash_counts]
+        self.tables: F32 = (rng.random(sum(hash_counts), np.float32) * 2 - 1) * np.float32(HASH_START)
 
     def trained(self) -> dict[str, F32]:
         """What trains, by name."""

@@ -18,7 +18,7 @@ from sgicodec.fit.device_networks import DECODERS, Activations, DeviceNetworks
 from sgicodec.fit.feature_step import FeatureInputs, FeatureOutputs, FeatureStep
 from sgicodec.fit.fused_step import ROUNDINGS
 from sgicodec.fit.pyramid import Level
-from sgicodec.model.context import INPUT_BITS, HashGrid, level_inputs
+from sgicodec.model.context import INPUT_BITS, hash_grid, level_inputs
 from sgicodec.model.layout import SeedLayout
 from sgicodec.model.spec import ModelSpec
 from sgicodec.profiles.fit_settings import FitSettings
@@ -48,16 +48,17 @@ class DeviceFeatureStep(FeatureStep):
         self.gpu.use()
         self.count, self._passes = len(layout), None
         context = self.spec.context
-        grid = HashGrid.at(context, layout, *self.size)
-        starts = np.concatenate([[0], np.cumsum(grid.sizes)])
-        entry = (grid.entry + starts[:-1, None, None]).transpose(1, 0, 2).astype(np.int32)  # [N, L, 4]
+        grid = hash_grid(context, *self.size)
+        starts = np.concatenate([[0], np.cumsum(grid.counts)]) // context.hash_features
+        entry, weight = grid.corners(layout.half_pixels)
+        entry = (entry + starts[:-1, None]).astype(np.int32)
         constants = level_inputs(layout, quality).T.astype(np.float32) / np.float32(1 << INPUT_BITS)
-        hashed = np.zeros((len(grid.sizes) * context.hash_features, self.count), np.float32)
+        hashed = np.zeros((len(grid.counts) * context.hash_features, self.count), np.float32)
         self._constants, self._table_starts = len(constants), (starts * context.hash_features).tolist()
         fixed = {
             "half_pixels": layout.half_pixels,
             "entry": entry,
-            "weight": (grid.weight.transpose(1, 0, 2) / (1 << 2 * INPUT_BITS)).astype(np.float32),
+            "weight": (weight / (1 << 2 * INPUT_BITS)).astype(np.float32),
             "reads": np.argsort(entry, axis=None, kind="stable").astype(np.int32),
             "read_start": np.searchsorted(np.sort(entry, axis=None), np.arange(starts[-1] + 1)).astype(np.int32),
             "table_start": starts.astype(np.int32),

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from sgicodec.cuda import sources
 from sgicodec.cuda.gpu import Gpu, GpuArray
 from sgicodec.cuda.structures import structures
-from sgicodec.fit.context_weights import layer_shapes
+from sgicodec.model.context import network_shapes
 from sgicodec.model.gaussians import decoder_shapes
 from sgicodec.model.spec import ModelSpec
 
@@ -58,8 +58,8 @@ class DeviceNetworks:
 
     def __init__(self, gpu: Gpu, spec: ModelSpec, count: int) -> None:
         self.gpu, self.count = gpu, count
-        [(w1, b1, w2, b2)] = layer_shapes(spec)
-        shapes = decoder_shapes(spec) | {"context.b1": b1, "context.w2": w2, "context.b2": b2, "context.w1": w1}
+        context = network_shapes(spec, 0)
+        shapes = decoder_shapes(spec) | {f"context.{name}": context[name] for name in ("b1", "w2", "b2", "w1")}
         ends = np.cumsum([math.prod(shape) for shape in shapes.values()]).tolist()
         starts = dict(zip(shapes, [0, *ends], strict=False))
         self._layers = {}

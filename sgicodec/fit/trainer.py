@@ -20,7 +20,7 @@ from sgicodec.fit.pyramid import levels_of, max_level
 from sgicodec.fit.schedule import Schedule, evenly, passed
 from sgicodec.fit.seed_set import SeedSet
 from sgicodec.fit.step_sizes import base_counts, flat_steps, rounded_plan
-from sgicodec.model.context import LEVELS, HashGrid
+from sgicodec.model.context import LEVELS, hash_grid
 from sgicodec.model.layout import ROOT_LOG, CellSums, SeedLayout, cell_sums
 from sgicodec.model.network import IntNetwork
 from sgicodec.model.spec import ModelSpec
@@ -93,7 +93,8 @@ class Trainer:
         self.seeds = SeedSet(spec, layout, target, rng, device)
         self.seeds.decoder_shift += math.ceil(settings.finer_steps)
         self.networks = networks
-        self.context = ContextWeights(spec, self._hash_sizes(), rng) if networks is None else None
+        counts = hash_grid(spec.context, width, height).counts
+        self.context = ContextWeights(spec, counts, rng) if networks is None else None
         steps = flat_steps(spec, default_plan(spec, self.quality))
         steps[: sum(base_counts(spec))] -= settings.finer_steps
         self.parameters = Parameters(self.seeds, steps, self.context)
@@ -185,12 +186,6 @@ class Trainer:
     def _place(self) -> None:
         """To be called where seeds have come or gone."""
         self.gradient_step.set_layout(self.seeds.layout, self.quality)
-
-    def _hash_sizes(self) -> tuple[int, ...]:
-        """Entries of the hash grid's tables."""
-        _, height, width = self.levels[0].samples.shape
-        context = self.spec.context
-        return HashGrid.at(context, self.seeds.layout, width, height).sizes if context.hash_resolutions else ()
 
     def result(self) -> Fitted:
         """What the fit has found so far, in the stream's order."""

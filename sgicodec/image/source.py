@@ -35,7 +35,12 @@ ALPHA_IS_BAND = "alpha is coded as a band like the others, which are not gray or
 
 
 class Source:
-    """An open picture: what it is at once, its pixels window by window. A context manager; not for several threads.
+    """An open picture, one image of a file, of bytes, or of a stream from where it stands: what it is at once, its
+    pixels window by window. A context manager; not for several threads.
+
+    max_samples caps what is held in memory at once, not the picture. sample_range, alpha and page are as in `read`; a
+    SampleUse is what another one found. keeps: rows of a picture of up to 128 MiB stay in memory once they were read,
+    for who reads it more than once. Raises PictureError as `read` does for all that the header says.
 
     The pixels are those that `read` gives, bit for bit. What is damaged, or not a number, is found in the window that
     it is in. path: of the file, or of a copy that lasts as long as this is open. page: that was asked for, or None.
@@ -250,22 +255,7 @@ def _state_of(path: Path) -> tuple[int, ...] | None:
     return found.st_dev, found.st_ino, found.st_size, found.st_mtime_ns
 
 
-def open_source(
-    origin: Origin,
-    *,
-    max_samples: int = MAX_SAMPLES,
-    sample_range: RangeChoice | SampleUse | None = None,
-    alpha: Alpha = "auto",
-    page: int | None = None,
-    keeps: bool = False,
-) -> Source:
-    """Open one image of a file, of bytes, or of a stream from where it stands, to read it in parts.
-
-    max_samples caps what is held in memory at once, not the picture. sample_range, alpha and page are as in `read`; a
-    SampleUse is what another one found. keeps: rows of a picture of up to 128 MiB stay in memory once they were read,
-    for who reads it more than once. Raises PictureError as `read` does for all that the header says.
-    """
-    return Source(origin, max_samples=max_samples, sample_range=sample_range, alpha=alpha, page=page, keeps=keeps)
+open_source = Source
 
 
 def open_to_encode(

@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
-from sgicodec._native import INPUT_BITS, LEVELS, NEIGHBOUR_INPUTS, SUMMARY, neighbours_by_pass, own_input_count
+from sgicodec._native import (
+    INPUT_BITS,
+    LEVELS,
+    NEIGHBOUR_INPUTS,
+    SUMMARY,
+    HashGrid,
+    neighbours_by_pass,
+    own_input_count,
+)
 from sgicodec.model.layout import SeedLayout
 from sgicodec.model.spec import ContextSpec, ModelSpec
 
@@ -15,12 +21,12 @@ __all__ = [
     "INPUT_BITS",
     "LEVELS",
     "SUMMARY",
-    "HashGrid",
+    "hash_grid",
     "input_count",
     "level_inputs",
     "nearest_by_pass",
     "neighbour_table",
-    "output_columns",
+    "network_shapes",
     "output_count",
 ]
 
@@ -60,20 +66,6 @@ def input_count(spec: ModelSpec, step: int) -> int:
     return count + own_input_count(step)
 
 
-def output_columns(spec: ModelSpec, group: str) -> NDArray[np.int64]:
-    """Which of MLP_p's outputs of its kind predicts each attribute of a group [size].
-
-    With the skip, channels beyond three, and those of pictures with fewer than three, share luma's.
-    """
-    size = spec.group(group).size
-    if not spec.plain:
-        return np.arange(size)
-    if group == "colour":
-        channel = np.arange(size)
-        return np.where((channel < 3) & (spec.channels >= 3), channel, 0)
-    return np.arange(size)
-
-
 def output_count(spec: ModelSpec, group: str) -> int:
     """Distinct predictions of a group: a mean and a scale each."""
     if not spec.plain:
@@ -81,39 +73,14 @@ def output_count(spec: ModelSpec, group: str) -> int:
     return {"colour": 3, "shape": 3, "offset": 2}.get(group, spec.group(group).size)
 
 
-@dataclass(frozen=True)
-class HashGrid:
-    """Where seeds read the binary hash grid H: entries and dyadic bilinear weights of every resolution.
+def network_shapes(spec: ModelSpec, step: int) -> dict[str, tuple[int, ...]]:
+    """Shapes of MLP_p's weights at a step of `ContextSpec.steps`."""
+    names = spec.context.steps[step]
+    inputs, hidden = input_count(spec, step), spec.context.hidden
+    outputs = 2 * sum(output_count(spec, name) for name in names) + len(names)
+    return {"w1": (hidden, inputs), "b1": (hidden,), "w2": (outputs, hidden), "b2": (outputs,)}
 
-    entry [L, N, 4] indices into that level's table, weight [L, N, 4] in units of 2^-12 (they sum to 4096), sizes [L].
-    """
 
-    entry: I64
-    weight: I64
-    sizes: tuple[int, ...]
-
-    @classmethod
-    def at(cls, spec: ContextSpec, layout: SeedLayout, width: int, height: int) -> HashGrid:
-        """The grid at a layout's seeds: `hash_resolutions` cells across the longer side of the picture."""
-        points = layout.half_pixels.astype(np.int64)
-        longer = 2 * max(width, height)
-        entries, weights, sizes = [], [], []
-        for resolution in spec.hash_resolutions:
-            position = points * (resolution << 6) // longer
-            cell, fraction = position >> 6, position & 63
-            across = resolution + 1
-            rows = across * (2 * height) // longer + 2
-            dense = across * rows
-            size = min(dense, 1 << spec.hash_log2_entries)
-            corner_entries, corner_weights = [], []
-            for dy in (0, 1):
-                for dx in (0, 1):
-                    x, y = cell[:, 0] + dx, cell[:, 1] + dy
-                    index = y * across + x if dense <= size else x ^ (y * 2654435761)
-                    corner_entries.append(index % size)
-                    wx = fraction[:, 0] if dx else 64 - fraction[:, 0]
-                    corner_weights.append(wx * (fraction[:, 1] if dy else 64 - fraction[:, 1]))
-            entries.append(np.stack(corner_entries, axis=1))
-            weights.append(np.stack(corner_weights, axis=1))
-            sizes.append(size)
-        return cls(np.stack(entries), np.stack(weights), tuple(sizes))
+def hash_grid(spec: ContextSpec, width: int, height: int) -> HashGrid:
+    """The binary hash grid H of a picture: `hash_resolutions` cells across its longer side."""
+    return HashGrid([*spec.hash_resolutions], spec.hash_features, spec.hash_log2_entries, width, height)

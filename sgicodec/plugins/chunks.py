@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from sgicodec.decoder.indexing import indexed_region
 from sgicodec.decoder.stream import Stream, open_stream
 from sgicodec.errors import CorruptStreamError, UsageError
 from sgicodec.picture import equal_samples
@@ -125,31 +126,13 @@ def read_selection(stream: Stream, shape: Shape, dtype: np.dtype[Any], selection
     keys = selection if isinstance(selection, tuple) else (selection,)
     if len(keys) != len(shape) or not all(isinstance(key, slice | int | np.integer) for key in keys):
         return np.asarray(stream.read().reshape(shape)[selection])
-    (top, bottom), (left, right) = (_span(keys[axis], shape[axis]) for axis in (lead, lead + 1))
-    if top >= bottom or left >= right:
+    inner = slice(lead, lead + 2)
+    region, touched = indexed_region(keys[inner], shape[inner])
+    width, height = region[2:]
+    if 0 in (width, height):
         return np.asarray(np.empty(shape, dtype)[selection])
-    part = stream.read((left, top, right - left, bottom - top))
-    part = part.reshape(*shape[:lead], bottom - top, right - left, *shape[lead + 2 :])
-    inner = list(keys)
-    inner[lead], inner[lead + 1] = _moved(keys[lead], top, shape[lead]), _moved(keys[lead + 1], left, shape[lead + 1])
-    return np.asarray(part[tuple(inner)])
-
-
-def _span(key: Any, side: int) -> tuple[int, int]:
-    """First and last index and on that a key touches."""
-    found = range(side)[key]
-    if isinstance(found, int):
-        return found, found + 1
-    return (min(found[0], found[-1]), max(found[0], found[-1]) + 1) if found else (0, 0)
-
-
-def _moved(key: Any, start: int, side: int) -> Any:
-    """The same key, of an axis that begins at `start`."""
-    found = range(side)[key]
-    if isinstance(found, int):
-        return found - start
-    stop = found[-1] - start + (1 if found.step > 0 else -1)
-    return slice(found[0] - start, stop if stop >= 0 else None, found.step)
+    part = stream.read(region).reshape(*shape[:lead], height, width, *shape[lead + 2 :])
+    return np.asarray(part[(*keys[:lead], *touched, *keys[lead + 2 :])])
 
 
 def _check(stream: Stream, shape: Shape, dtype: np.dtype[Any]) -> None:

@@ -4,8 +4,7 @@ A fit rounds every attribute by itself. Here each seed's symbols move one step a
 all other seeds in it, and the bits as coded say that it pays. docs/notes/2026-11-rdoq.md reports what each part gains.
 """
 
+from sgicodec.rdoq.coordinate_descent import RdoqSettings, searched
 from sgicodec.rdoq.objective import Objective, can_optimise
-from sgicodec.rdoq.rdoq import searched
-from sgicodec.rdoq.settings import RdoqSettings
 
 __all__ = ["Objective", "RdoqSettings", "can_optimise", "searched"]

@@ -135,9 +135,9 @@ class _Service:
 
     async def remote(self, request: Request) -> Response:
         name, asked = request.path_params["name"], request.headers.get("range")
-        part = await self._workers.run(lambda: self._remote.read(name, asked), request.is_disconnected)
-        headers = {"content-range": part.content_range, "accept-ranges": "bytes", "cache-control": "no-store"}
-        return Response(part.data, 206, headers, media_type="application/octet-stream")
+        data, content_range = await self._workers.run(lambda: self._remote.read(name, asked), request.is_disconnected)
+        headers = {"content-range": content_range, "accept-ranges": "bytes", "cache-control": "no-store"}
+        return Response(data, 206, headers, media_type="application/octet-stream")
 
     async def base(self, request: Request) -> Response:
         name = request.path_params["name"]

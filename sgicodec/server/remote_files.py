@@ -5,22 +5,15 @@ from __future__ import annotations
 import re
 import threading
 from collections.abc import Mapping
-from typing import BinaryIO, NamedTuple
+from typing import BinaryIO
 
 from sgicodec.remote.remote_file import open_url
 from sgicodec.server.refusal import Refusal
 
-__all__ = ["Part", "RemoteFiles"]
+__all__ = ["RemoteFiles"]
 
 _MAX_ANSWER = 1 << 26
 """Bytes of one answer."""
-
-
-class Part(NamedTuple):
-    """Bytes, and what Content-Range says of them."""
-
-    data: bytes
-    content_range: str
 
 
 class RemoteFiles:
@@ -31,8 +24,10 @@ class RemoteFiles:
         self._files: dict[str, BinaryIO] = {}
         self._lock = threading.Lock()
 
-    def read(self, name: str, asked: str | None) -> Part:
-        """The part that a header Range asks for. Raises Refusal, and StreamError for a URL that cannot be read."""
+    def read(self, name: str, asked: str | None) -> tuple[bytes, str]:
+        """The part that a header Range asks for, and what Content-Range says of it. Raises Refusal, and StreamError for
+        a URL that cannot be read.
+        """
         if name not in self._urls:
             raise Refusal(404, f"there is no {name[:200]!r} here")
         found = re.fullmatch(r"bytes=(\d{1,18})-(\d{0,18})", asked or "")
@@ -49,7 +44,7 @@ class RemoteFiles:
             if stop - start > _MAX_ANSWER:
                 raise Refusal(400, f"{stop - start} bytes are more than this server passes on at once, {_MAX_ANSWER}")
             file.seek(start)
-            return Part(file.read(stop - start), f"bytes {start}-{stop - 1}/{size}")
+            return file.read(stop - start), f"bytes {start}-{stop - 1}/{size}"
 
     def close(self) -> None:
         """Closes all."""

@@ -12,10 +12,10 @@ from textures import random_symbols
 
 from sgicodec.bitstream.entropy.tables import MAX_MAGNITUDE
 from sgicodec.bitstream.header import Header, encode_header
-from sgicodec.bitstream.limits import hash_counts, network_shapes
 from sgicodec.bitstream.parts.tile import TileModel, write_tile
 from sgicodec.errors import CorruptStreamError
 from sgicodec.model.base import base_shape
+from sgicodec.model.context import hash_grid, network_shapes
 from sgicodec.model.gaussians import decoder_shapes
 from sgicodec.model.layout import SeedLayout
 from sgicodec.model.network import IntNetwork
@@ -59,7 +59,7 @@ def _model(header: Header, rng: np.random.Generator) -> TileModel:
         _wild(rng, (spec.channels, *grid), 100_000),
         {name: _wild(rng, shape, MAX_MAGNITUDE) for name, shape in decoder_shapes(spec).items()},
         tuple(_network(spec, step, rng) for step in range(len(spec.context.steps))),
-        [rng.integers(0, 2, (n // 4, 4)) for n in hash_counts(spec, *size)],
+        [rng.integers(0, 2, (n // 4, 4)) for n in hash_grid(spec.context, *size).counts],
         {group.name: _attributes(rng, (len(layout), group.size)) for group in spec.groups},
         texture=random_symbols(spec.channels, *size, int(rng.integers(2**32)), 16390) if spec.texture else None,
     )

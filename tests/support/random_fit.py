@@ -6,11 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec.device import ONE_THREAD
-from sgicodec.fit.context_weights import layer_shapes
 from sgicodec.fit.parameters import Parameters
 from sgicodec.fit.seed_set import SeedSet
 from sgicodec.fit.step_sizes import flat_steps
-from sgicodec.model.context import output_count
+from sgicodec.model.context import network_shapes, output_count
 from sgicodec.model.layout import SeedLayout, adaptive_layout
 from sgicodec.model.network import IntNetwork
 from sgicodec.model.spec import ModelSpec
@@ -24,7 +23,8 @@ def random_networks(
 ) -> tuple[IntNetwork, ...]:
     """Networks of weights of a plausible size, in the place of the shipped ones."""
     networks, unit = [], 2.0**8
-    for (w1, b1, w2, b2), stage in zip(layer_shapes(spec), spec.context.steps, strict=True):
+    for step, stage in enumerate(spec.context.steps):
+        w1, b1, w2, b2 = network_shapes(spec, step).values()
         sizes = {"w1": (w1, (2.0 / w1[1]) ** 0.5), "w2": (w2, w2_size / w2[1] ** 0.5), "b2": (b2, b2_size)}
         drawn = {name: np.rint(rng.normal(size=shape) * size * unit) for name, (shape, size) in sizes.items()}
         arrays = {name: values.astype(np.int64) for name, values in drawn.items()}

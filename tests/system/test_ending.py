@@ -10,7 +10,7 @@ from data_files import crop
 
 from sgicodec import EncodeSettings, NullListener, Picture, decode, encode_picture
 from sgicodec.fit.trainer import Progress
-from sgicodec.rdoq import rdoq
+from sgicodec.rdoq import coordinate_descent
 
 
 class Ending(NullListener):
@@ -30,13 +30,13 @@ class Ending(NullListener):
 def passes(monkeypatch: pytest.MonkeyPatch) -> list[float]:
     """λ of each pass of RDOQ that is made."""
     made: list[float] = []
-    one_pass = rdoq.descend
+    one_pass = coordinate_descent.descend
 
     def counted(*given: Any) -> object:
         made.append(given[3])
         return one_pass(*given)
 
-    monkeypatch.setattr(rdoq, "descend", counted)
+    monkeypatch.setattr(coordinate_descent, "descend", counted)
     return made
 
 

@@ -9,8 +9,9 @@ from functools import cache
 import numpy as np
 
 from sgicodec import _native
-from sgicodec.bitstream.limits import network_shapes, spec_fields
+from sgicodec.bitstream.limits import spec_fields
 from sgicodec.errors import CorruptStreamError, UsageError
+from sgicodec.model.context import network_shapes
 from sgicodec.model.network import IntNetwork
 from sgicodec.model.spec import ModelSpec
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from sgicodec import _native
 from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
 from sgicodec.bitstream.header import Header, encode_header
-from sgicodec.bitstream.limits import check_model, hash_counts, max_seeds, network_shapes
+from sgicodec.bitstream.limits import check_model, max_seeds
 from sgicodec.bitstream.parts.arrays import write_base, write_signs, write_weights
 from sgicodec.bitstream.parts.attributes import QuantisedAttributes, quantise_attributes, write_attributes
 from sgicodec.bitstream.parts.positions import write_positions, write_tree
@@ -22,6 +22,7 @@ from sgicodec.bitstream.parts.texture import layer_of, write_texture
 from sgicodec.device import ONE_THREAD, Device
 from sgicodec.errors import LimitError
 from sgicodec.model.base import base_shape
+from sgicodec.model.context import hash_grid, network_shapes
 from sgicodec.model.gaussians import decoder_shapes
 from sgicodec.model.layout import SeedLayout
 from sgicodec.model.network import IntNetwork
@@ -98,7 +99,7 @@ def write_tile(header: Header, model: TileModel) -> tuple[bytes, SymbolWriter]:
         for name, shape in decoder_shapes(spec).items():
             write_weights(writer, model.decoders[name], shape)
     with writer.part("hash grid"):
-        if counts := hash_counts(spec, *size):
+        if counts := hash_grid(spec.context, *size).counts:
             write_signs(writer, np.concatenate([table.reshape(-1) for table in model.hash_tables]), counts)
     with writer.part("context model"):
         write_networks(writer, spec, model.networks)
@@ -122,7 +123,7 @@ def read_tile(header: Header, payload: bytes, device: Device = ONE_THREAD) -> tu
     it takes memory, for a model beyond the caps.
     """
     read = _native.read_tile(encode_header(header), payload, device.threads, device.isa)
-    counts = hash_counts(header.spec, header.width, header.height)
+    counts = hash_grid(header.spec.context, header.width, header.height).counts
     signs = np.split(read.signs.astype(np.int64), np.cumsum(counts)[:-1]) if counts else []
     model = TileModel(
         SeedLayout(read.corner, read.log_size),

@@ -34,21 +34,25 @@ def with_fewer_colours(windows: Windows, cells: Cells, counts: ColourCounts, max
     colours = np.stack([counts.keys >> 16 * (channels - 1 - c) & 0xFFFF for c in range(channels)], axis=1)
     shown = _merged(colours, counts, max_error if len(colours) > _MEANT_COLOURS else 0)
     off = int(np.abs(shown - colours).max(initial=0))
-    return (_Replaced(windows, cells, partial(_recoloured, counts.keys, shown)) if off else windows), off
+    return (_replaced(windows, cells, partial(_recoloured, counts.keys, shown)) if off else windows), off
 
 
 def without_cells(windows: Windows, cells: Cells, means: F32) -> Windows:
     """A picture whose cells [rows, columns] are filled smoothly from what is around them. means [rows, columns, C]: of
     the samples of each cell.
     """
-    return _Replaced(
+    return _replaced(
         windows, cells, partial(_interpolated, inpaint(means.transpose(2, 0, 1), cells).transpose(1, 2, 0))
     )
 
 
 def without_unseen_colours(windows: Windows) -> Windows:
     """A picture whose colours are 0 wherever its alpha is; itself without alpha."""
-    return windows if alpha_index(windows.shape.channels) is None else _Seen(windows)
+    if alpha_index(windows.shape.channels) is None:
+        return windows
+    return windows.seen(
+        lambda picture, _: replace(picture, pixels=np.where(picture.pixels[..., -1:] == 0, 0, picture.pixels))
+    )
 
 
 def _merged(colours: NDArray[np.int64], counts: ColourCounts, max_error: int) -> NDArray[np.int64]:
@@ -65,40 +69,20 @@ def _merged(colours: NDArray[np.int64], counts: ColourCounts, max_error: int) ->
     return shown
 
 
-class _Replaced:
+def _replaced(windows: Windows, cells: Cells, shown: Callable[[NDArray[Any], Cells, Rect], NDArray[Any]]) -> Windows:
     """A picture that shows something else in some cells: shown(pixels, inside, rect) gives the samples [n, C] of the
     pixels of a window that are inside.
     """
 
-    def __init__(
-        self, windows: Windows, cells: Cells, shown: Callable[[NDArray[Any], Cells, Rect], NDArray[Any]]
-    ) -> None:
-        self._windows, self._cells, self._shown = windows, cells, shown
-        self.shape, self.page, self.memory, self.digest = windows.shape, windows.page, windows.memory, windows.digest
-
-    def read(self, x: int, y: int, width: int, height: int) -> Picture:
-        """As `Windows`."""
-        picture = self._windows.read(x, y, width, height)
-        rect = (x, y, width, height)
-        inside = pixels_in_cells(self._cells[cells_in(rect)], picture.pixels.shape, x % CELL, y % CELL)
+    def look(picture: Picture, rect: Rect) -> Picture:
+        inside = pixels_in_cells(cells[cells_in(rect)], picture.pixels.shape, rect[0] % CELL, rect[1] % CELL)
         if not inside.any():
             return picture
         pixels = picture.pixels.copy()
-        pixels[inside] = self._shown(pixels, inside, rect)
+        pixels[inside] = shown(pixels, inside, rect)
         return replace(picture, pixels=pixels)
 
-
-class _Seen:
-    """As in `without_unseen_colours`."""
-
-    def __init__(self, windows: Windows) -> None:
-        self._windows = windows
-        self.shape, self.page, self.memory, self.digest = windows.shape, windows.page, windows.memory, windows.digest
-
-    def read(self, x: int, y: int, width: int, height: int) -> Picture:
-        """As `Windows`."""
-        picture = self._windows.read(x, y, width, height)
-        return replace(picture, pixels=np.where(picture.pixels[..., -1:] == 0, 0, picture.pixels))
+    return windows.seen(look)
 
 
 def _recoloured(

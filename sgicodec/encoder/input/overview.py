@@ -101,8 +101,8 @@ class _Band(NamedTuple):
             sums = of_columns @ (of_rows @ weighed.reshape(rows, -1)).reshape(-1, *weighed.shape[1:])
             self.total[row - self.first :, column:][: len(of_rows), : len(of_columns)] += sums
             if window.nodata is not None:
-                i, j = down.centres(top + first, rows), across.centres(x, width)
-                self.nothing[np.ix_(i.box - self.first, j.box)] = nodata_samples(part)[np.ix_(i.pixel, j.pixel)]
+                (above, i), (left, j) = down.centres(top + first, rows), across.centres(x, width)
+                self.nothing[np.ix_(above - self.first, left)] = nodata_samples(part)[np.ix_(i, j)]
 
 
 def _samples(plan: Plan, total: F64, nothing: NDArray[np.bool_]) -> NDArray[Any]:
@@ -158,13 +158,8 @@ class _Boxes:
         right, left = (np.clip(edges[part, None] - pixel, 0, 1) for part in (np.s_[1:], np.s_[:-1]))
         return first, (right - left).astype(np.float32)
 
-    def centres(self, start: int, size: int) -> _Centres:
+    def centres(self, start: int, size: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         """The boxes whose centres lie in `size` pixels from `start` on, and which of these that is."""
         pixel = np.floor((np.arange(self.count) + 0.5) * (self.length / self.count)).astype(np.int64) - start
         box = np.flatnonzero((pixel >= 0) & (pixel < size))
-        return _Centres(box, pixel[box])
-
-
-class _Centres(NamedTuple):
-    box: NDArray[np.int64]
-    pixel: NDArray[np.int64]
+        return box, pixel[box]

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import hashlib
-from dataclasses import replace
-from functools import cached_property
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cache, partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal, Protocol
+from typing import TYPE_CHECKING, Any, Literal
 
 from sgicodec.encoder.plan import Plan, Shape, stream_plan
 from sgicodec.errors import UsageError
 from sgicodec.metadata import geo
 from sgicodec.metadata.layouts import WITHOUT_ALPHA, alpha_index
-from sgicodec.model.tile_grid import TileGrid
+from sgicodec.model.tile_grid import Rect, TileGrid
 from sgicodec.picture import Picture, opaque_mask
 
 if TYPE_CHECKING:
@@ -25,34 +26,54 @@ __all__ = ["Windows", "kept", "tile_window", "windows_of", "without_needless_alp
 _BLOCK = 1 << 20
 
 
-class Windows(Protocol):
+@dataclass(frozen=True)
+class Windows:
     """What an encode asks of a picture. Windows are asked for in rows, from the top down."""
 
-    @property
-    def shape(self) -> Shape:
-        """What it is."""
+    shape: Shape
+    """What it is."""
+    read: Callable[[int, int, int, int], Picture]
+    """The pixels of a window: x and y of its first pixel, width, height. Raises PictureError."""
+    memory: Callable[[int, int], int]
+    """Bytes that reading windows of this width and height takes at most."""
+    digest: Callable[[], bytes]
+    """32 bytes that change with any pixel."""
+    page: int | None = None
+    """Which page of its file it is, where that was asked for."""
 
-    @property
-    def page(self) -> int | None:
-        """Which page of its file it is, where that was asked for."""
+    def seen(self, look: Callable[[Picture, Rect], Picture], **changes: Any) -> Windows:
+        """The same picture as `look` shows each window of it. changes: of its shape."""
 
-    def read(self, x: int, y: int, width: int, height: int) -> Picture:
-        """The pixels of a window whose first pixel is (x, y). Raises PictureError."""
+        def read(x: int, y: int, width: int, height: int) -> Picture:
+            return look(self.read(x, y, width, height), (x, y, width, height))
 
-    def memory(self, width: int, height: int) -> int:
-        """Bytes that reading windows of this size takes at most."""
-
-    def digest(self) -> bytes:
-        """32 bytes that change with any pixel."""
+        return replace(self, read=read, shape=replace(self.shape, **changes))
 
 
 def windows_of(picture: Picture | Source) -> Windows:
-    """The windows of a picture in memory, or of an opened one. Raises UsageError for what is neither."""
+    """The windows of a picture in memory, or of an opened one, all of whose samples are read once more where their
+    range is not known. Raises UsageError for what is neither.
+    """
     if isinstance(picture, Picture):
-        return _PictureWindows(picture)
+        return Windows(Shape.of(picture), partial(_part, picture), lambda *_: 0, partial(_digest_of_pixels, picture))
     if not hasattr(picture, "header"):
         raise UsageError(f"{type(picture).__name__} is no Picture, nor opened by open_source; encode takes arrays")
-    return _SourceWindows(picture)
+    source, use = picture, picture.use
+    shape = Shape(
+        source.width,
+        source.height,
+        source.channels,
+        source.header.count,
+        source.dtype,
+        use.sample_range,
+        source.metadata,
+        source.nodata,
+        use.exact,
+        use.eight_bits,
+        use.remark,
+        source.rounding,
+    )
+    return Windows(shape, source.read, source.memory, partial(_digest_of_file, source), source.page)
 
 
 def tile_window(windows: Windows, plan: Plan, number: int) -> Picture:
@@ -62,71 +83,30 @@ def tile_window(windows: Windows, plan: Plan, number: int) -> Picture:
 
 def kept(windows: Windows) -> Windows:
     """The same, read whole when a window is first asked for, and then kept."""
-    return windows if isinstance(windows, _PictureWindows) else _Kept(windows)
+    whole = cache(lambda: windows.read(0, 0, windows.shape.width, windows.shape.height))
+    return replace(windows, read=lambda *rect: _part(whole(), *rect))
 
 
-class _PictureWindows:
-    page = None
-
-    def __init__(self, picture: Picture) -> None:
-        self._picture, self.shape = picture, Shape.of(picture)
-
-    def read(self, x: int, y: int, width: int, height: int) -> Picture:
-        return replace(self._picture, pixels=self._picture.pixels[y : y + height, x : x + width])
-
-    def memory(self, width: int, height: int) -> int:
-        return 0
-
-    def digest(self) -> bytes:
-        digest = hashlib.sha256()
-        for row in self._picture.pixels:
-            digest.update(row.tobytes())
-        return digest.digest()
+def _part(picture: Picture, x: int, y: int, width: int, height: int) -> Picture:
+    return replace(picture, pixels=picture.pixels[y : y + height, x : x + width])
 
 
-class _Kept:
-    def __init__(self, windows: Windows) -> None:
-        self._windows, self.shape, self.page = windows, windows.shape, windows.page
-        self.memory, self.digest = windows.memory, windows.digest
-
-    @cached_property
-    def _picture(self) -> Picture:
-        return self._windows.read(0, 0, self.shape.width, self.shape.height)
-
-    def read(self, x: int, y: int, width: int, height: int) -> Picture:
-        return replace(self._picture, pixels=self._picture.pixels[y : y + height, x : x + width])
+def _digest_of_pixels(picture: Picture) -> bytes:
+    digest = hashlib.sha256()
+    for row in picture.pixels:
+        digest.update(row.tobytes())
+    return digest.digest()
 
 
-class _SourceWindows:
-    """All samples are read once more where their range is not known."""
-
-    def __init__(self, source: Source) -> None:
-        self._source, header, use = source, source.header, source.use
-        self.shape = Shape(
-            source.width,
-            source.height,
-            source.channels,
-            header.count,
-            source.dtype,
-            use.sample_range,
-            source.metadata,
-            source.nodata,
-            use.exact,
-            use.eight_bits,
-            use.remark,
-            source.rounding,
-        )
-        self.read, self.memory, self.page = source.read, source.memory, source.page
-
-    def digest(self) -> bytes:
-        digest = hashlib.sha256(b"" if self.page is None else b"page %d" % self.page)
-        path = Path(self._source.path)
-        for part in sorted(filter(Path.is_file, path.rglob("*"))) if path.is_dir() else [path]:
-            digest.update(part.relative_to(path).as_posix().encode() if part != path else b"")
-            with part.open("rb") as file:
-                while block := file.read(_BLOCK):
-                    digest.update(block)
-        return digest.digest()
+def _digest_of_file(source: Source) -> bytes:
+    digest = hashlib.sha256(b"" if source.page is None else b"page %d" % source.page)
+    path = Path(source.path)
+    for part in sorted(filter(Path.is_file, path.rglob("*"))) if path.is_dir() else [path]:
+        digest.update(part.relative_to(path).as_posix().encode() if part != path else b"")
+        with part.open("rb") as file:
+            while block := file.read(_BLOCK):
+                digest.update(block)
+    return digest.digest()
 
 
 def without_needless_alpha(windows: Windows, plan: Plan, listener: NullListener) -> tuple[Windows, Plan]:
@@ -143,7 +123,12 @@ def without_needless_alpha(windows: Windows, plan: Plan, listener: NullListener)
         if has_alpha and masked == "nodata" and plan.settings.max_error is None:
             listener.note(_ALPHA_AND_NODATA)
         return windows, plan
-    windows = _Colours(windows)
+    channels = WITHOUT_ALPHA[windows.shape.channels]
+    windows = windows.seen(
+        lambda picture, _: replace(picture, pixels=picture.pixels[..., :-1], channels=channels),
+        channels=channels,
+        bands=windows.shape.bands - 1,
+    )
     return windows, stream_plan(windows.shape, plan.settings)
 
 
@@ -173,16 +158,3 @@ def _everywhere(windows: Windows, grid: TileGrid) -> Literal["opaque", "hiding"]
     if opaque:
         return "opaque"
     return "hiding" if colours else None
-
-
-class _Colours:
-    """The colours alone of a picture that has alpha."""
-
-    def __init__(self, windows: Windows) -> None:
-        self._windows, shape = windows, windows.shape
-        self.shape = replace(shape, channels=WITHOUT_ALPHA[shape.channels], bands=shape.bands - 1)
-        self.memory, self.digest, self.page = windows.memory, windows.digest, windows.page
-
-    def read(self, x: int, y: int, width: int, height: int) -> Picture:
-        picture = self._windows.read(x, y, width, height)
-        return replace(picture, pixels=picture.pixels[..., :-1], channels=self.shape.channels)

@@ -23,7 +23,7 @@ from sgicodec.metrics.visual_score import VisualReference
 from sgicodec.model.texture_symbols import TextureSymbols
 from sgicodec.rdoq.texture import TextureSearch
 
-__all__ = ["Perceptual", "ScoreAscent"]
+__all__ = ["ScoreAscent", "best_looking"]
 
 F32 = NDArray[np.float32]
 Offsets = NDArray[np.int8] | None
@@ -37,25 +37,24 @@ MAX_MOVE = 12.0
 """Of one amplitude, in means (docs/notes/2026-11-score-ascent.md)."""
 
 
-class Perceptual:
-    """Texture of the best score for the bits."""
-
-    def lay(self, state: TileState) -> TileState:
-        """As in `LeastSquares`, or for the quality that the plan is calibrated to."""
-        state, search = state.begin_texture()
-        tile, tuning, passes = state.tile, state.tile.tuning, state.tile.effort.ascent_passes
-        step, price = tuning.step(state.lmbda), tuning.price(state.lmbda)
-        layer = state.best_layer(search, step, price)
-        state = replace(state, strength=state.best_strength(search, layer))
-        screen = Screen(tile.spec, tile.picture.alpha is not None, tile.alpha)
-        ascent = ScoreAscent(tile.unit, screen, tile.empty, tile.device, passes, state.strength)
-        steps = CalibratedSteps(tile.plan.calibrated_quality, step, passes)
-        for _ in range(passes):
-            if tile.watch.ending() or layer is None:
-                break
-            score = ascent.climb(search, layer, state.step_offsets)
-            layer = state.best_layer(search, steps.after(score), price, layer)
-        return state.with_texture(layer, state.strength)
+def best_looking(state: TileState) -> TileState:
+    """With texture of the best score for the bits at the λ of the encode, or for the quality that the plan is
+    calibrated to.
+    """
+    state, search = state.begin_texture()
+    tile, tuning, passes = state.tile, state.tile.tuning, state.tile.effort.ascent_passes
+    step, price = tuning.step(state.lmbda), tuning.price(state.lmbda)
+    layer = state.best_layer(search, step, price)
+    state = replace(state, strength=state.best_strength(search, layer))
+    screen = Screen(tile.spec, tile.picture.alpha is not None, tile.alpha)
+    ascent = ScoreAscent(tile.unit, screen, tile.empty, tile.device, passes, state.strength)
+    steps = CalibratedSteps(tile.plan.calibrated_quality, step, passes)
+    for _ in range(passes):
+        if tile.watch.ending() or layer is None:
+            break
+        score = ascent.climb(search, layer, state.step_offsets)
+        layer = state.best_layer(search, steps.after(score), price, layer)
+    return state.with_texture(layer, state.strength)
 
 
 class ScoreAscent:

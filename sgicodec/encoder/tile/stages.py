@@ -16,8 +16,7 @@ import numpy as np
 from sgicodec.bitstream.parts.prior import load_prior, parse_prior
 from sgicodec.bitstream.parts.tile import TileModel
 from sgicodec.encoder.effort import DEFAULT_EFFORT, steps_of
-from sgicodec.encoder.tile.least_squares import LeastSquares
-from sgicodec.encoder.tile.perceptual import Perceptual
+from sgicodec.encoder.tile.perceptual import best_looking
 from sgicodec.encoder.tile.sharing import part_of_steps, seed_weights
 from sgicodec.encoder.tile.state import Prepared, Tile, TileState
 from sgicodec.fit.base_layer import base_layer
@@ -27,7 +26,6 @@ from sgicodec.model.network import IntNetwork
 from sgicodec.rdoq import Objective, searched
 
 __all__ = [
-    "STRATEGIES",
     "encode",
     "fit",
     "fit_seeds",
@@ -37,9 +35,6 @@ __all__ = [
     "share",
     "texture",
 ]
-
-STRATEGIES: dict[str, LeastSquares | Perceptual] = {"psnr": LeastSquares(), "visual": Perceptual()}
-"""By what an encode is tuned for."""
 
 
 def encode(tile: Tile) -> TileState:
@@ -143,11 +138,25 @@ def rdoq(state: TileState) -> TileState:
 
 
 def texture(state: TileState) -> TileState:
-    """The tile with texture over what its seeds leave, restored."""
+    """The tile with texture over what its seeds leave, restored, for the λ of the encode."""
     tile = state.tile
     if not tile.spec.texture:
         return state
     tile.watch.stage("texture")
     if tile.plan.texture_lmbda is not None:
         state = replace(state, lmbda=tile.plan.texture_lmbda)
-    return STRATEGIES[tile.settings.tuned_for].lay(state)
+    return best_looking(state) if tile.settings.tuned_for == "visual" else _nearest(state)
+
+
+def _nearest(state: TileState) -> TileState:
+    """With texture of the least squared error for the bits: searched, and again for what restoration leaves."""
+    state, search = state.begin_texture()
+    tile, tuning = state.tile, state.tile.tuning
+    step, price = tuning.step(state.lmbda), tuning.price(state.lmbda)
+    layer = state.best_layer(search, step, price)
+    strength = state.best_strength(search, layer)
+    if layer is None or strength is None:
+        return state.with_texture(layer, None)
+    restored = search.excluding(tile.restorer.correction(search, layer, strength))
+    layer = state.best_layer(restored, step, price, layer) or layer
+    return state.with_texture(layer, state.best_strength(search, layer))

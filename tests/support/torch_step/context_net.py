@@ -8,9 +8,9 @@ from typing import Any
 import torch
 from torch import Tensor
 
-from sgicodec.fit.context_weights import WEIGHT_SHIFT, ContextWeights, layer_shapes, shaped
+from sgicodec.fit.context_weights import WEIGHT_SHIFT, ContextWeights, shaped
 from sgicodec.fit.weight_bits import ADDED_UNITS
-from sgicodec.model.context import INPUT_BITS, HashGrid, output_count
+from sgicodec.model.context import INPUT_BITS, network_shapes, output_count
 from sgicodec.model.network import INPUT_LIMIT
 from sgicodec.model.spec import ModelSpec
 
@@ -44,7 +44,7 @@ class ContextNet:
             self.tables = weights.per_table(tables)
         else:
             first, rest = map(torch.from_numpy, weights)
-        shapes = layer_shapes(spec)
+        shapes = [list(network_shapes(spec, step).values()) for step in range(len(spec.context.steps))]
         firsts: list[Tensor] = shaped([stage[0] for stage in shapes], first)
         rests: list[Tensor] = shaped([shape for stage in shapes for shape in stage[1:]], rest)
         self.layers = [[w1, *rests[3 * number : 3 * number + 3]] for number, w1 in enumerate(firsts)]
@@ -67,9 +67,9 @@ class ContextNet:
         units = sum(output_count(self.spec, group) for group in self.spec.context.steps[stage])
         return out[:, :units], out[:, units : 2 * units], out[:, 2 * units :]
 
-    def hash_features(self, grid: HashGrid, weight: Tensor) -> Tensor:
+    def hash_features(self, entries: Tensor, weight: Tensor) -> Tensor:
         """H(x_a) of all seeds by bilinear interpolation of ±1 features [N, L·F], input units (paper, equation 9)."""
-        levels = zip(map(binarize, self.tables), grid.entry, weight, strict=True)
+        levels = zip(map(binarize, self.tables), entries, weight, strict=True)
         mixed = [(table[entry] * share[..., None]).sum(1) for table, entry, share in levels]  # of [N, 4, F]
         return torch.cat(mixed, dim=1) * 2.0 ** (INPUT_BITS - 12)
 

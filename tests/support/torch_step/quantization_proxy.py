@@ -15,25 +15,10 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
-from sgicodec._native import (
-    COLOUR_GAIN_BITS,
-    INPUT_LIMIT,
-    LOUDNESS_ZERO,
-    MIN_MASS,
-    OCTAVE_LIMIT,
-    OFFSET_LIMIT,
-    neighbour_weight,
-)
+from sgicodec._native import COLOUR_GAIN_BITS, INPUT_LIMIT, LOUDNESS_ZERO, MIN_MASS, OCTAVE_LIMIT, OFFSET_LIMIT
 from sgicodec.fit.noise import NoiseKey, hashed_noise
 from sgicodec.fit.step_sizes import base_counts, gamma_names
-from sgicodec.model.context import (
-    INPUT_BITS,
-    LEVELS,
-    HashGrid,
-    level_inputs,
-    neighbour_table,
-    output_columns,
-)
+from sgicodec.model.context import INPUT_BITS, LEVELS, hash_grid, level_inputs, neighbour_table
 from sgicodec.model.layout import SeedLayout
 from sgicodec.model.quantization import (
     DEAD_ZONE,
@@ -44,9 +29,10 @@ from sgicodec.model.quantization import (
     STEP_COUNT,
     STEP_ZERO,
 )
-from sgicodec.model.spec import ModelSpec
+from sgicodec.model.spec import Group, ModelSpec
 from sgicodec.model.steps import AMPLITUDE_ZERO, REFINE_LIMIT, follows_amplitude
 from sgicodec.profiles.fit_settings import Rounding
+from tests.support.page_attributes import WEIGHTS
 from tests.support.torch_step.context_net import ContextNet
 
 __all__ = ["QuantizationProxy", "Sample", "bits_gaussian", "bits_laplace"]
@@ -77,7 +63,7 @@ class QuantizationProxy:
         self.spec = spec
         self.bits_of = bits_laplace if family else bits_gaussian
         self.dead_zone = DEAD_ZONE if family else 0.0
-        self.columns = {group.name: torch.from_numpy(output_columns(spec, group.name)) for group in spec.groups}
+        self.columns = {group.name: torch.from_numpy(output_columns(spec, group)) for group in spec.groups}
         self.age = 0
 
     def _base(self, steps: Tensor) -> dict[str, Tensor]:
@@ -115,8 +101,8 @@ class QuantizationProxy:
             self.table = torch.from_numpy(table)
             self.offset = torch.from_numpy(nearest_offset(layout, table)).float()
         if context.hash_resolutions:
-            self.grid = HashGrid.at(context, layout, width, height)
-            self.grid_weight = torch.from_numpy(self.grid.weight).float()
+            entry, weight = map(torch.from_numpy, hash_grid(context, width, height).corners(layout.half_pixels))
+            self.grid = entry.transpose(0, 1), weight.float().transpose(0, 1)
         self.age = 0
 
     def sample(
@@ -205,7 +191,7 @@ class QuantizationProxy:
         """MLP_p at one coding stage."""
         blocks = [self.common]
         if self.spec.context.hash_resolutions:
-            blocks.append(net.hash_features(self.grid, self.grid_weight))
+            blocks.append(net.hash_features(*self.grid))
         if number:
             known = {name: value.detach() for name, value in decoded.items()}
             if "shape" not in known:
@@ -214,13 +200,22 @@ class QuantizationProxy:
         return net.forward(number, torch.cat(blocks, dim=1))
 
 
+def output_columns(spec: ModelSpec, group: Group) -> NDArray[np.int64]:
+    """Which of MLP_p's outputs of its kind predicts each attribute of a group [size]: channels beyond three, and those
+    of pictures with fewer than three, share luma's.
+    """
+    channel = np.arange(group.size)
+    is_shared = spec.plain and group.name == "colour"
+    return np.where((channel < 3) & (spec.channels >= 3), channel, 0) if is_shared else channel
+
+
 def neighbour_inputs(summary: Tensor, table: Tensor, present: Tensor, log_size: Tensor, offset: Tensor) -> Tensor:
     """Inputs of all seeds from their neighbours [N, NEIGHBOUR_INPUTS].
 
     summary [N, SUMMARY] of decoded seeds; table, present [N, k]; log_size [N]; offset [N, 2] from each seed to its
     nearest neighbour in its own cells, input units.
     """
-    share = present * torch.tensor([neighbour_weight(rank) / 16 for rank in range(table.shape[1])], dtype=present.dtype)
+    share = present * torch.tensor(WEIGHTS[: table.shape[1]], dtype=present.dtype) / 16
     rows = summary[table]  # [N, k, SUMMARY]
     count = share.sum(1, keepdim=True) * (1 << INPUT_BITS)
     weighted = (rows * share[..., None]).sum(1)

@@ -10,7 +10,7 @@ import pytest
 
 from sgicodec.encoder.effort import Effort, Tune, effort_of
 from sgicodec.encoder.settings import EncodeSettings
-from sgicodec.rdoq.settings import RdoqSettings
+from sgicodec.rdoq import RdoqSettings
 
 TEXT = (Path(__file__).parents[3] / "docs" / "architecture.md").read_text("utf-8")
 TABLES = {"visual": "### For the eye", "psnr": "### Towards least squared error"}

@@ -9,7 +9,7 @@ from sgicodec.profiles.paper import paper_spec
 
 
 def test_weights_that_train_become_the_nearest_integers() -> None:
-    weights = ContextWeights(paper_spec(1, 2, 6), (30, 50), np.random.default_rng(1))
+    weights = ContextWeights(paper_spec(1, 2, 6), (120, 200), np.random.default_rng(1))
     network = weights.integers()
     assert set(weights.trained()) == {f"context.{name}" for name in ("first", "rest", "tables")}
     flat = np.concatenate([array.reshape(-1) for array in network.arrays]) * 2.0**-WEIGHT_SHIFT

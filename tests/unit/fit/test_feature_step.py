@@ -18,7 +18,7 @@ from sgicodec.fit.parameters import Parameters, StepResult
 from sgicodec.fit.pyramid import levels_of
 from sgicodec.fit.seed_set import SeedSet
 from sgicodec.fit.step_sizes import flat_steps
-from sgicodec.model.context import HashGrid
+from sgicodec.model.context import hash_grid
 from sgicodec.model.layout import uniform_layout
 from sgicodec.model.spec import ModelSpec
 from sgicodec.model.steps import default_plan
@@ -57,7 +57,7 @@ class Problem:
         held.values["scales"] += rng.normal(-0.5, 0.5, (seeds, 4)).astype(np.float32)
         for weights in held.decoders.values():
             weights += rng.normal(0, 0.1, weights.shape).astype(np.float32)
-        context = ContextWeights(spec, HashGrid.at(spec.context, self.layout, WIDTH, HEIGHT).sizes, rng)
+        context = ContextWeights(spec, hash_grid(spec.context, WIDTH, HEIGHT).counts, rng)
         context.centre(held.attributes())
         context.rest += rng.normal(0, 0.05, context.rest.shape).astype(np.float32)
         of_scales = slice(-spec.attributes - 3, -3)

@@ -19,7 +19,7 @@ from sgicodec.bitstream.parts.attributes import quantise_attributes, write_attri
 from sgicodec.fit.context_weights import ContextWeights, float_weights
 from sgicodec.fit.noise import NoiseKey
 from sgicodec.fit.step_sizes import flat_steps
-from sgicodec.model.context import HashGrid
+from sgicodec.model.context import hash_grid
 from sgicodec.model.layout import adaptive_layout, uniform_layout
 from sgicodec.model.network import IntNetwork
 from sgicodec.model.quantization import PER_OCTAVE, SCALE_ZERO
@@ -67,15 +67,13 @@ def test_bits_between_symbols_are_those_of_the_distribution(step: float, scale: 
         np.testing.assert_allclose(bits(deviation, q, s), -torch.log2(mass), rtol=1e-6)
 
 
-def context_of(
-    spec: ModelSpec, sizes: tuple[int, ...]
-) -> tuple[tuple[IntNetwork, ...], list[NDArray[np.int64]], ContextNet]:
+def context_of(spec: ModelSpec) -> tuple[tuple[IntNetwork, ...], list[NDArray[np.int64]], ContextNet]:
     """Random networks, signs of a hash grid, and both in floats."""
-    rng = np.random.default_rng(0)
+    rng, counts = np.random.default_rng(0), hash_grid(spec.context, *SIZE).counts
     networks = random_networks(spec, rng, w2_size=0.1, b2_size=0.0)
-    if not sizes:
+    if not counts:
         return networks, [], ContextNet(spec, float_weights(networks, 0.0))
-    weights = ContextWeights(spec, sizes, rng)
+    weights = ContextWeights(spec, counts, rng)
     weights.first, weights.rest = float_weights(networks, 0.0)
     return networks, weights.signs(), ContextNet(spec, weights)
 
@@ -85,14 +83,12 @@ def test_the_fit_counts_the_bits_that_are_written(spec: ModelSpec) -> None:
     """Of random values and networks: what MLP_p sees as floats in a fit, and as integers in coding. With steps that
     follow the amplitude and real predictions; the escape and the tables' rounding make up 1 %.
     """
-    (width, height), rng, sizes = SIZE, np.random.default_rng(1), ()
+    (width, height), rng = SIZE, np.random.default_rng(1)
     detail = (rng.normal(size=(3, height, width)) * np.linspace(0, 1, width) ** 2).astype(np.float32)
     is_adaptive = spec.layout == "adaptive"
     layout = adaptive_layout(detail, 6.0) if is_adaptive else uniform_layout(width, height, 500, rng)
     values = {g.name: rng.normal(size=(len(layout), g.size)) * SPREAD[g.name] for g in spec.groups}
-    if spec.context.hash_resolutions:
-        sizes = HashGrid.at(spec.context, layout, width, height).sizes
-    plan, networks, signs, net = default_plan(spec, QUALITY), *context_of(spec, sizes)
+    plan, networks, signs, net = default_plan(spec, QUALITY), *context_of(spec)
     header = Header(*SIZE, "multi", "uint8", (0.0, 255.0), "default", replace(spec, luma_space=False), QUALITY, FAMILY)
     quantised = quantise_attributes(header, layout, plan, networks, signs, values)
     writer = SymbolWriter()

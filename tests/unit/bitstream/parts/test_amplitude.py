@@ -10,8 +10,8 @@ import pytest
 from integer_root import root
 
 from sgicodec.bitstream.header import Header
-from sgicodec.bitstream.limits import network_shapes
 from sgicodec.bitstream.parts.attributes import quantise_attributes
+from sgicodec.model.context import network_shapes
 from sgicodec.model.layout import SeedLayout
 from sgicodec.model.network import IntNetwork
 from sgicodec.model.quantization import STEP_COUNT, STEP_ZERO, step_index

@@ -17,13 +17,12 @@ from sgicodec import _native
 from sgicodec._native import SymbolReader
 from sgicodec.bitstream.entropy.tables import SCALES
 from sgicodec.bitstream.header import Header, decode_header, encode_header
-from sgicodec.bitstream.limits import hash_counts, network_shapes
 from sgicodec.bitstream.parts.prior import load_prior
 from sgicodec.bitstream.parts.tile import TileModel, quantise, read_tile, write_tile
 from sgicodec.bitstream.parts.tile_chunk import decode_tile_chunk
 from sgicodec.device import ONE_THREAD, Device
 from sgicodec.model.base import base_shape
-from sgicodec.model.context import nearest_by_pass
+from sgicodec.model.context import hash_grid, nearest_by_pass, network_shapes
 from sgicodec.model.gaussians import decoder_shapes
 from sgicodec.model.layout import SeedLayout
 from sgicodec.model.quantization import DEAD_ZONE_LIMIT
@@ -126,7 +125,7 @@ def skip_to_attributes(reader: SymbolReader, header: Header) -> None:
         reader.read_bits(5, 1)
     for weights in decoder_shapes(spec).values():
         reader.read_weights(math.prod(weights))
-    if counts := hash_counts(spec, header.width, header.height):
+    if counts := hash_grid(spec.context, header.width, header.height).counts:
         reader.read_signs(counts)
     for step in range(len(spec.context.steps) if not spec.context.prior else 0):
         reader.read_bits(5, 1)
