@@ -72,6 +72,7 @@ def refine(
 
     if picture == source == STANDARD:
         raise UsageError("stdin holds one file; name PICTURE or IN")
+    settings = EncodeSettings(max_error=max_error)
     check_output(target, (picture, source), force, becomes="copy")
     device, data = Device(threads), given(source)
     with ExitStack() as stack:
@@ -84,7 +85,7 @@ def refine(
         windows = windows_of(opened)
         check_clipped(windows.shape)
         if windows.shape.bands > stream.header.spec.channels:
-            windows, _ = without_needless_alpha(windows, stream_plan(windows.shape, EncodeSettings()), listener)
+            windows, _ = without_needless_alpha(windows, stream_plan(windows.shape, settings), listener)
         layer = residual_layer(stream, Layer(windows, max_error), device)
     _rewritten(data, source, target, layer, quiet)
 

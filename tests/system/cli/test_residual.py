@@ -64,6 +64,7 @@ def test_refusals(picture: Path, tmp_path: Path) -> None:
     before = out.read_bytes()
     refused(2, "strip", out, out)
     refused(3, "refine", tmp_path / "none.png", out, tmp_path / "b.sgi")
+    assert "nor infinite" in refused(2, "refine", picture, out, tmp_path / "b.sgi", "--max-error", "inf")
     assert out.read_bytes() == before
 
 
