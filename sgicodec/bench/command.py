@@ -226,8 +226,11 @@ def compare(
 
     if a == b == "-":
         raise UsageError("stdin holds one file; name A or B")
-    if map_path is not None and Path(map_path).exists() and not force:
-        raise OutputExistsError(f"{map_path} exists; give -f to overwrite it")
+    if map_path is not None and Path(map_path).exists():
+        if any(Path(path).exists() and Path(path).samefile(map_path) for path in (a, b)):
+            raise UsageError(f"{map_path} is both input and output; name another --map")
+        if not force:
+            raise OutputExistsError(f"{map_path} exists; give -f to overwrite it")
     reference, other = _picture(a), _picture(b)
     profiles = reference.metadata.icc, other.metadata.icc
     if profiles[0] != profiles[1]:
