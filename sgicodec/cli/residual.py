@@ -121,10 +121,11 @@ def check_below(stream: Stream) -> None:
 
 def _rewritten(data: str | bytes, source: str, target: str, layer: bytes | None, quiet: bool) -> None:
     from sgicodec.bitstream.rewriting import rewrite_stream
+    from sgicodec.decoder.stream import file_at
 
     with (
         naming_stream(source),
-        BytesIO(data) if isinstance(data, bytes) else open(data, "rb") as stream,
+        BytesIO(data) if isinstance(data, bytes) else file_at(data) as stream,
         output_file(target) as file,
     ):
         size = rewrite_stream(stream, file, layer)
