@@ -26,8 +26,11 @@ Span inner_span(double start, double scale, int64_t count, int64_t size) {
 
 double near_one(double scale) { return std::abs(scale - 1) < kRounding ? 1.0 : scale; }
 
-// Whether `count` output pixels are more than the pixels that they show, rounded up.
-bool enlarges(int64_t count, double scale) { return double(count) > std::ceil(double(count) / scale - kRounding); }
+// Whether `count` output pixels are more than the pixels that they show, rounded up; or one shows less than half a
+// pixel.
+bool enlarges(int64_t count, double scale) {
+  return scale > 2 || double(count) > std::ceil(double(count) / scale - kRounding);
+}
 
 }  // namespace
 

@@ -16,7 +16,6 @@ import click
 from sgicodec.bench.options import numbers, place, variant
 from sgicodec.errors import OutputExistsError, SgiError, StreamError, TargetMissedError, UsageError, require
 from sgicodec.metadata.layouts import range_text
-from sgicodec.remote.remote_file import open_url
 from sgicodec.remote.url import is_url
 
 if TYPE_CHECKING:
@@ -226,8 +225,11 @@ def compare(
 
     if a == b == "-":
         raise UsageError("stdin holds one file; name A or B")
-    if map_path is not None and Path(map_path).exists() and not force:
-        raise OutputExistsError(f"{map_path} exists; give -f to overwrite it")
+    if map_path is not None and Path(map_path).exists():
+        if any(Path(path).exists() and Path(path).samefile(map_path) for path in (a, b)):
+            raise UsageError(f"{map_path} is both input and output; name another --map")
+        if not force:
+            raise OutputExistsError(f"{map_path} exists; give -f to overwrite it")
     reference, other = _picture(a), _picture(b)
     profiles = reference.metadata.icc, other.metadata.icc
     if profiles[0] != profiles[1]:
@@ -266,12 +268,12 @@ def _picture(origin: str) -> Picture:
     StreamError.
     """
     from sgicodec.bitstream.container import SIGNATURE
-    from sgicodec.decoder.stream import open_stream
+    from sgicodec.decoder.stream import file_at, open_stream
     from sgicodec.image.source import open_source
 
     data = sys.stdin.buffer.read() if origin == "-" else origin
     try:
-        with BytesIO(data) if isinstance(data, bytes) else open_url(data) if is_url(data) else open(data, "rb") as file:
+        with BytesIO(data) if isinstance(data, bytes) else file_at(data) as file:
             is_stream = file.read(len(SIGNATURE)) == SIGNATURE
     except (OSError, SgiError):
         is_stream = False  # what reads pictures tells

@@ -16,12 +16,14 @@ from sgicodec.cli.options import (
     QUALITY,
     SAMPLE_RANGE,
     VERBOSE,
+    alpha_option,
     batch_options,
     complete_files,
     device_option,
     force_option,
     json_option,
     output_option,
+    page_option,
     progress_option,
     quiet_option,
     target_options,
@@ -122,14 +124,8 @@ _MAX_FILE = 1 << 20
     "--seed", type=click.IntRange(0, 2**32 - 1), default=0, metavar="N", help="Start value of the random numbers."
 )
 @click.option("--range", "sample_range", type=SAMPLE_RANGE, metavar="WHICH", help="Samples: used, type or LOW,HIGH.")
-@click.option(
-    "--alpha",
-    type=click.Choice(["auto", "band", "none"]),
-    default="auto",
-    show_default=True,
-    help="Take for alpha what the file declares so; code it as a band like the others; or leave it out.",
-)
-@click.option("--page", type=int, metavar="N", help="Page of a file with several, from 1.  [default: the first]")
+@alpha_option
+@page_option
 @click.option("--metadata/--no-metadata", default=True, show_default=True, help="Keep ICC profile, EXIF and XMP.")
 @click.option("--verify/--no-verify", default=True, show_default=True, help="Decode the stream and measure it.")
 @progress_option

@@ -24,12 +24,14 @@ __all__ = [
     "SIZE",
     "VERBOSE",
     "Sized",
+    "alpha_option",
     "batch_options",
     "complete_files",
     "device_option",
     "force_option",
     "json_option",
     "output_option",
+    "page_option",
     "progress_option",
     "quiet_option",
     "target_options",
@@ -163,6 +165,16 @@ device_option = click.option(
     show_default=True,
     metavar="NAME",
     help="What fits: cpu, cuda or cuda:N for a GPU, auto for one if there is.",
+)
+alpha_option = click.option(
+    "--alpha",
+    type=click.Choice(["auto", "band", "none"]),
+    default="auto",
+    show_default=True,
+    help="Take for alpha what the file declares so; code it as a band like the others; or leave it out.",
+)
+page_option = click.option(
+    "--page", type=int, metavar="N", help="Page of a file with several, from 1.  [default: the first]"
 )
 output_option = click.option(
     "-o", "--output", type=_Name(), metavar="OUT", help="Write to this file, whatever it is called."

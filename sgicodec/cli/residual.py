@@ -4,18 +4,26 @@ from __future__ import annotations
 
 from contextlib import ExitStack
 from io import BytesIO
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from sgicodec.cli.command import HelpfulCommand
-from sgicodec.cli.options import complete_files, force_option, quiet_option, threads_option
+from sgicodec.cli.options import (
+    alpha_option,
+    complete_files,
+    force_option,
+    page_option,
+    quiet_option,
+    threads_option,
+)
 from sgicodec.cli.paths import STANDARD, check_output, display, given, naming_stream, output_file
 from sgicodec.device import Device
 from sgicodec.errors import UsageError
 
 if TYPE_CHECKING:
     from sgicodec.decoder.stream import Stream
+    from sgicodec.image.opened import Alpha
 
 __all__ = ["check_below", "refine", "strip"]
 
@@ -32,36 +40,52 @@ __all__ = ["check_below", "refine", "strip"]
 @click.option(
     "--max-error", type=click.FloatRange(0), default=0.0, show_default=True, metavar="N", help="As in encode."
 )
+@alpha_option
+@page_option
 @threads_option
 @force_option
 @quiet_option
-def refine(picture: str, source: str, target: str, max_error: float, threads: int, force: bool, quiet: bool) -> None:
+def refine(
+    picture: str,
+    source: str,
+    target: str,
+    max_error: float,
+    alpha: Alpha,
+    page: int | None,
+    threads: int,
+    force: bool,
+    quiet: bool,
+) -> None:
     """Copy stream IN, made from PICTURE, into stream OUT with a residual layer: no sample is off by more than N.
     - stands for stdin or stdout.
 
-    A residual layer that IN has is replaced. The rest of the stream stays as it is.
+    PICTURE is read as the encode read it: --alpha and --page are those of the encode. A residual layer that IN has
+    is replaced. The rest of the stream stays as it is.
     """
+    from sgicodec.cli.encode_listener import EncodeListener
     from sgicodec.decoder.stream import open_stream
     from sgicodec.encoder.input.windows import windows_of, without_needless_alpha
     from sgicodec.encoder.plan import check_clipped, stream_plan
-    from sgicodec.encoder.progress import NullListener
     from sgicodec.encoder.residual import Layer, residual_layer
     from sgicodec.encoder.settings import EncodeSettings
     from sgicodec.image.source import open_to_encode
 
     if picture == source == STANDARD:
         raise UsageError("stdin holds one file; name PICTURE or IN")
+    settings = EncodeSettings(max_error=max_error)
     check_output(target, (picture, source), force, becomes="copy")
     device, data = Device(threads), given(source)
     with ExitStack() as stack:
-        opened = stack.enter_context(open_to_encode(given(picture), lambda text: None))
+        listener = EncodeListener("off", quiet, on_cluster=False, source=picture)
+        reading: dict[str, Any] = {"alpha": alpha, "page": page, "option": "--page"}
+        opened = stack.enter_context(open_to_encode(given(picture), listener.note, **reading))
         stack.enter_context(naming_stream(source))
         stream = stack.enter_context(open_stream(data, device))
         check_below(stream)
         windows = windows_of(opened)
         check_clipped(windows.shape)
         if windows.shape.bands > stream.header.spec.channels:
-            windows, _ = without_needless_alpha(windows, stream_plan(windows.shape, EncodeSettings()), NullListener())
+            windows, _ = without_needless_alpha(windows, stream_plan(windows.shape, settings), listener)
         layer = residual_layer(stream, Layer(windows, max_error), device)
     _rewritten(data, source, target, layer, quiet)
 
@@ -97,10 +121,11 @@ def check_below(stream: Stream) -> None:
 
 def _rewritten(data: str | bytes, source: str, target: str, layer: bytes | None, quiet: bool) -> None:
     from sgicodec.bitstream.rewriting import rewrite_stream
+    from sgicodec.decoder.stream import file_at
 
     with (
         naming_stream(source),
-        BytesIO(data) if isinstance(data, bytes) else open(data, "rb") as stream,
+        BytesIO(data) if isinstance(data, bytes) else file_at(data) as stream,
         output_file(target) as file,
     ):
         size = rewrite_stream(stream, file, layer)

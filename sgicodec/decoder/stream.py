@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
     F32 = NDArray[np.float32]
 
-__all__ = ["MAX_OUTPUT_SAMPLES", "Bands", "BytesLike", "Region", "Size", "Stream", "open_stream"]
+__all__ = ["MAX_OUTPUT_SAMPLES", "Bands", "BytesLike", "Region", "Size", "Stream", "file_at", "open_stream"]
 
 CACHE_BYTES = 1 << 28
 """What decoded tiles may take before those that were used least recently are released."""
@@ -318,7 +318,8 @@ def _opened(source: bytes | BinaryIO | int, device: Device) -> _native.Stream:
     return _native.Stream(source, device.threads, device.isa, CACHE_BYTES, BLOCK_SAMPLES)
 
 
-def _file_at(path: str) -> BinaryIO:
+def file_at(path: str) -> BinaryIO:
+    """The file at a path or behind a URL. Raises OSError, or StreamError of a URL."""
     if not is_url(path):
         return Path(path).open("rb")
     from sgicodec.remote.remote_file import open_url  # takes long to load
@@ -328,7 +329,7 @@ def _file_at(path: str) -> BinaryIO:
 
 def _open_file(path: str, device: Device) -> Stream:
     try:
-        file = _file_at(path)
+        file = file_at(path)
     except (OSError, ValueError) as error:
         text = getattr(error, "strerror", None) or error
         raise StreamError(f"{os.fsencode(path).decode('utf-8', 'replace')}: {text}") from error

@@ -137,7 +137,7 @@ def stream_plan(shape: Shape, settings: EncodeSettings) -> Plan:
         has_exact=shape.exact,
         network=settings.network or b"",
     )
-    if header.network:
+    if settings.network is not None:
         _check_network(header)
     if settings.prior is not None:
         parse_prior(settings.prior, spec)
@@ -160,6 +160,8 @@ def _with_texture_that_fits(spec: ModelSpec, grid: TileGrid) -> ModelSpec:
 def _check_network(header: Header) -> None:
     if not header.spec.restoration:
         raise UsageError("a network restores texture; without texture or restoration, leave it out")
+    if not header.network:
+        raise UsageError("this is no network of restoration: it is empty")
     try:
         decode_header(encode_header(header))
     except StreamError as error:

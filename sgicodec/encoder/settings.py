@@ -25,6 +25,9 @@ APRON = 4
 """Pixels that a tile reaches over its neighbours, where nothing else is asked for: 8 take 0.5 to 1 % more bytes of
 large pictures, 0 show seams (docs/notes/2026-11-large-pictures.md, "Half the overlap")."""
 
+_MAX_LMBDA = 1e18
+"""More than the squared error that any picture can have."""
+
 _KINDS: dict[str, tuple[type, str]] = {
     "int": (Integral, "an integer"),
     "float": (Real, "a number"),
@@ -204,8 +207,8 @@ class EncodeSettings:
         return [
             (1 <= self.chosen_quality <= 100, f"quality {self.chosen_quality:g}; it runs from 1 to 100"),
             (
-                self.lmbda is None or 0 <= self.lmbda < math.inf,
-                f"lmbda {self.lmbda}; it must not be negative",
+                self.lmbda is None or 0 <= self.lmbda <= _MAX_LMBDA,
+                f"lmbda {self.lmbda}; it must not be negative, nor above {_MAX_LMBDA:g}",
             ),
             (1 <= self.effort <= 9, f"effort {self.effort}; it runs from 1 to 9"),
             (self.profile in PROFILES, f"profile {self.profile}; there are {' and '.join(PROFILES)}"),

@@ -30,7 +30,7 @@ _SAMPLES = ("uint8", "uint16", "int8", "int16", "int32", "uint32", "float32", "f
 _OLD_AXES = ("t", "c", "z", "y", "x")
 _COLOURS = (("FF0000", "00FF00", "0000FF"), ("RED", "GREEN", "BLUE"), ("R", "G", "B"))
 _MICRONS = {"nanometer": Fraction(1, 1000), "micrometer": Fraction(1), "millimeter": Fraction(1000)}
-_MICRONS |= {"centimeter": Fraction(10**4), "meter": Fraction(10**6)}
+_MICRONS |= {"centimeter": Fraction(10**4), "meter": Fraction(10**6), "angstrom": Fraction(1, 10**4)}
 
 
 def is_zarr(path: Path) -> bool:

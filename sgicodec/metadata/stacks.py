@@ -31,7 +31,7 @@ _IMAGEJ_UNIT = re.compile(r"^unit=(.*)$", re.MULTILINE)
 
 _MICRONS_IN = {"µm": Fraction(1), "um": Fraction(1), "micron": Fraction(1), "microns": Fraction(1)}
 _MICRONS_IN |= {"nm": Fraction(1, 1000), "mm": Fraction(1000), "cm": Fraction(10000), "m": Fraction(10**6)}
-_MICRONS_IN |= {"inch": Fraction(25400), "in": Fraction(25400)}
+_MICRONS_IN |= {"inch": Fraction(25400), "in": Fraction(25400), "Å": Fraction(1, 10**4), "pm": Fraction(1, 10**6)}
 
 
 def states_shape(directory: ifd.Directory) -> bool:
@@ -95,7 +95,7 @@ def _imagej_sizes(text: str, directory: ifd.Directory) -> Sequence[Fraction]:
         return ()
     ratios = [struct.unpack("<II", value.data) for value in values if isinstance(value, ifd.Entry)]
     sizes = [f"{below}/{above}" for above, below in ratios]
-    return _in_microns(sizes, unit[1].strip().encode().decode("unicode_escape", "replace"))
+    return _in_microns(sizes, unit[1].strip().encode("ascii", "backslashreplace").decode("unicode_escape", "replace"))
 
 
 def _in_microns(sizes: Sequence[str], unit: str) -> Sequence[Fraction]:

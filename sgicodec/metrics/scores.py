@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -35,12 +36,12 @@ def scores(a: Pixels, b: Pixels) -> Scores:
 def error_map(a: Pixels, b: Pixels, *, gain: float = 8.0) -> npt.NDArray[np.uint8]:
     """The signed error b − a as an 8-bit picture [H, W, C]: mid-gray where equal, `gain` per level.
 
-    Levels are 1/255 of the peak. Raises UsageError if shapes or types differ or `gain` is not positive.
+    Levels are 1/255 of the peak. Raises UsageError if shapes or types differ or `gain` is not positive or not finite.
     """
     check_pair(a, b)
-    if not gain > 0:
-        raise UsageError(f"the gain of an error map must be positive, not {gain:g}")
     scale = gain * 255.0 / peak_of(a)
+    if not 0 < scale < math.inf:
+        raise UsageError(f"the gain of an error map must be positive and finite, not {gain:g}")
     out = np.empty(a.shape, np.uint8)
     for rows in bands(a.shape[0]):
         out[rows] = np.clip(np.rint(128.0 - difference(a[rows], b[rows]) * scale), 0, 255)

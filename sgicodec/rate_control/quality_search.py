@@ -62,8 +62,8 @@ def _next_quality(errors: dict[float, float], slope: float) -> float:
     coarser = max((at for at in errors if errors[at] <= 0), default=None)
     finer = min((at for at in errors if errors[at] > 0), default=None)
     if coarser is None or finer is None:
-        best = min(errors, key=lambda at: abs(errors[at]))
-        quality = best - min(max(errors[best] / slope, -MAX_MOVE), MAX_MOVE)
+        end = max(errors) if finer is None else min(errors)
+        quality = end - min(max(errors[end] / slope, -MAX_MOVE), MAX_MOVE)
     else:  # regula falsi, where an end that stays counts half (Illinois)
         last, older = list(errors)[-1], list(errors)[-2]
         stays = (finer if last == coarser else coarser) if (errors[last] > 0) == (errors[older] > 0) else None

@@ -79,6 +79,7 @@ ARGUMENTS: dict[str, Callable[[bytes, np.ndarray], Any]] = {
     "location": lambda data, _: sgicodec.open(data).read_region(0, 0, (3, 3)),
     "unknown setting": lambda _, pixels: sgicodec.encode(pixels, qualty=3),
     "negative seed": lambda _, pixels: sgicodec.encode(pixels, seed=-1),
+    "empty network": lambda _, pixels: sgicodec.encode(pixels, network=b""),
     "network of text": lambda _, pixels: sgicodec.encode(pixels, network="x"),
     "profile in a list": lambda _, pixels: sgicodec.encode(pixels, profile=["default"]),
     "tune of a number": lambda _, pixels: sgicodec.encode(pixels, tune=1),

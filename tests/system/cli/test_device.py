@@ -32,8 +32,7 @@ def test_a_fit_on_the_gpu_that_is_there(picture: Path, tmp_path: Path, monkeypat
         done("encode", picture, tmp_path / name, "--steps", 20, "--device", device)
         streams[name] = (tmp_path / name).read_bytes()
     assert streams["a"] == streams["b"] == streams["auto"] != streams["cpu"]
-    line = refused(2, "encode", picture, tmp_path / "c", "--device", "cuda:1")
-    assert line == "sgi: no GPU 1: this machine has 1\n"
+    assert refused(2, "encode", picture, tmp_path / "c", "--device", "cuda:1") == "sgi: no GPU 1: this machine has 1\n"
 
 
 @pytest.mark.parametrize(
@@ -52,8 +51,7 @@ def test_what_is_missing(
         fake_driver()
         monkeypatch.setattr(compiler, "_packaged", list)
         monkeypatch.setattr(compiler, "_NAMES", ("libno-such.so",))
-    line = refused(2, "encode", picture, tmp_path / "out", "--steps", 3, "--device", "cuda")
-    assert line == f"sgi: {complaint}\n"
+    assert refused(2, "encode", picture, tmp_path / "out", "--steps", 3, "--device", "cuda") == f"sgi: {complaint}\n"
     assert not (tmp_path / "out").exists()
     for name, device in (("auto", "auto"), ("cpu", "cpu")):
         done("encode", picture, tmp_path / name, "--steps", 3, "--device", device)

@@ -118,6 +118,7 @@ def test_options_reach_the_encoder(
         ("--size many", "as in 20000, 200kB"),
         ("--profile paper --psnr 30", "default profile"),
         ("--lmbda -1", "negative"),
+        ("--lmbda 1e50", "nor above 1e+18"),
         ("-e 0", "1 to 9"),
         ("-e 10", "1 to 9"),
         ("-e 2.5", "is not a valid integer from 1 to 9"),

@@ -28,9 +28,11 @@ def nearest(stream: Path) -> int:
 
 @pytest.mark.parametrize(("page", "told"), [([], "the first of 3 pages; --page chooses another"), (["--page", 2], "")])
 def test_other_pages_are_told_of_unless_one_is_chosen(page: list[object], told: str, stack: Path) -> None:
-    result = done("encode", stack, *page, "--steps", 30, "--quiet")
-    assert result.stderr == (f"sgi: {stack}: {told}\n" if told else "")
-    assert nearest(stack.with_suffix(".sgi")) == (1 if page else 0)
+    stream, exact = stack.with_suffix(".sgi"), stack.with_suffix(".exact.sgi")
+    for command in (("encode", stack, "--steps", 30), ("refine", stack, stream, exact)):
+        assert done(*command, *page, "--quiet").stderr == (f"sgi: {stack}: {told}\n" if told else "")
+    assert nearest(stream) == (1 if page else 0)
+    np.testing.assert_array_equal(sgicodec.imread(exact).squeeze(), PAGES[1 if page else 0])
 
 
 def test_workers_read_the_same_page(stack: Path, tmp_path: Path) -> None:

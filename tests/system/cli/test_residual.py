@@ -16,7 +16,8 @@ def test_a_picture_comes_back(picture: Path, tmp_path: Path) -> None:
     assert "without loss" in done("encode", picture, out, "--lossless", "--steps", 20).stdout
     done("decode", out, back)
     np.testing.assert_array_equal(read(back).pixels, read(picture).pixels)
-    done("decode", out, lossy, "--lossy")
+    assert "those of the lossy picture" in sgi("decode", out, lossy, "--depth", 16).stderr
+    assert done("decode", out, lossy, "--lossy", "--depth", 8, "-f").stderr == ""
     assert (read(lossy).pixels != read(picture).pixels).any()
     facts = told("info", out)
     assert (facts["max_error"], facts["encoder"].split()[1]) == (0, "lossless")
@@ -64,6 +65,7 @@ def test_refusals(picture: Path, tmp_path: Path) -> None:
     before = out.read_bytes()
     refused(2, "strip", out, out)
     refused(3, "refine", tmp_path / "none.png", out, tmp_path / "b.sgi")
+    assert "nor infinite" in refused(2, "refine", picture, out, tmp_path / "b.sgi", "--max-error", "inf")
     assert out.read_bytes() == before
 
 

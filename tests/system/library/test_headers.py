@@ -38,8 +38,7 @@ def test_the_first_bytes_tell_what_the_header_says(path: Path, library: Library)
     with sgicodec.open(path) as stream:
         first = stream.chunk_bytes["signature"] + stream.chunk_bytes["H"]
     for count in range(first):
-        text = f"the first {count} bytes do not hold the whole header"
-        assert refusal(library, data[:count]) == ("source", text)
+        assert refusal(library, data[:count]) == ("source", f"the first {count} bytes do not hold the whole header")
     found = library.probe(data[:first])
     assert fields(found, ELSEWHERE) == whole
     assert (found.has_overview, found.file_bytes) == (0, 0)

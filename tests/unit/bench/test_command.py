@@ -162,6 +162,7 @@ def test_compare_draws_the_error(tmp_path: Path) -> None:
     assert drawn[3, 4].tolist() == [128, 148, 255]
     assert (np.delete(drawn.reshape(-1, 3), 3 * 56 + 4, axis=0) == 128).all()
     assert isinstance(call(compare, b, a, "--map", target).exception, OutputExistsError)
+    assert isinstance(call(compare, a, b, "--map", b, "-f").exception, UsageError)
     assert call(compare, b, a, "--map", target, "-f").exit_code == 0
     assert np.asarray(Image.open(target))[3, 4].tolist() == [128, 112, 0]
 

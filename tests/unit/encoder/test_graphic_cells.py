@@ -87,8 +87,7 @@ def test_a_clipped_sky_is_none() -> None:
 
 def test_a_ramp_is_none() -> None:
     y, x = np.mgrid[:SIDE, :SIDE]
-    ramp = np.repeat(((x + y) // 2)[..., None], 3, axis=2).astype(np.uint8)
-    assert not found_in(ramp).any()
+    assert not found_in(np.repeat(((x + y) // 2)[..., None], 3, axis=2).astype(np.uint8)).any()
 
 
 def test_a_few_cells_alone_are_none() -> None:

@@ -110,8 +110,7 @@ def test_luminance_and_differences_are_refused(tmp_path: Path) -> None:
 def test_few_bits_fill_the_type() -> None:
     ten_bits = b"P5 3 1 1023\n" + struct.pack(">HHH", 0, 512, 1023)
     assert read(ten_bits).pixels.ravel().tolist() == pytest.approx([0, 512 / 1023 * 65535, 65535], abs=40)
-    one_bit = b"P4 8 1\n" + bytes([0b10100000])
-    assert read(one_bit).pixels.ravel().tolist() == [0, 255, 0, 255, 255, 255, 255, 255]
+    assert read(b"P4 8 1\n" + bytes([0b10100000])).pixels.ravel().tolist() == [0, 255, 0, 255, 255, 255, 255, 255]
 
 
 @pytest.mark.parametrize(

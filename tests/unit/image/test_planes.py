@@ -52,8 +52,7 @@ def test_bands_are_channels(axes: str, options: dict[str, Any], tmp_path: Path) 
         picture = sgicodec.read(tmp_path / "a.ome.tif", page=number + 1)
         np.testing.assert_array_equal(picture.pixels, plane)
         assert [facts.description for facts in band_facts(picture.metadata.geo, 3)] == NAMES
-        stated = resolution(picture.metadata.geo, picture.metadata.exif)
-        assert stated.microns == (0.5, 0.25)
+        assert resolution(picture.metadata.geo, picture.metadata.exif).microns == (0.5, 0.25)
     with pytest.raises(UsageError, match=f"there is no page {len(expected) + 1}"):
         sgicodec.read(tmp_path / "a.ome.tif", page=len(expected) + 1)
 

@@ -47,8 +47,7 @@ def test_pixels_and_their_size(slide: Path, pixels: np.ndarray) -> None:
     picture = sgicodec.read(slide)
     assert (picture.channels, picture.pixels.dtype) == ("rgb", np.uint8)
     assert np.abs(picture.pixels.astype(int) - pixels).mean() < 1.5
-    found = resolution(picture.metadata.geo, picture.metadata.exif)
-    assert found.microns == pytest.approx((0.2525, 0.2525), rel=1e-8)
+    assert resolution(picture.metadata.geo, picture.metadata.exif).microns == pytest.approx((0.2525, 0.2525), rel=1e-8)
     assert described(picture.metadata.exif)[DESCRIPTION].data == b"aperio|AppMag = 40\0"
 
 

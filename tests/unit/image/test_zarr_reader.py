@@ -57,8 +57,7 @@ def test_channels_are_bands_with_names(version: str, tmp_path: Path) -> None:
     np.testing.assert_array_equal(picture.pixels, np.moveaxis(samples, 0, -1))
     assert picture.channels == "multi"
     assert [facts.description for facts in band_facts(picture.metadata.geo, 3)] == ["DAPI", "<Cy3> &  ", None]
-    stated = resolution(picture.metadata.geo, None)
-    assert stated.microns == (0.25, 0.5)
+    assert resolution(picture.metadata.geo, None).microns == (0.25, 0.5)
 
 
 @pytest.mark.parametrize(

@@ -46,8 +46,7 @@ def test_damaged_blobs_raise_nothing_else(tail: bytes, cut: int) -> None:
 
 @pytest.mark.parametrize("order", ["<", ">"])
 def test_upright_changes_the_orientation_and_nothing_else(order: str) -> None:
-    blob = exif_blob(orientation=6, order=order)
-    assert exif.upright(b"Exif\0\0" + blob) == exif_blob(orientation=1, order=order)
+    assert exif.upright(b"Exif\0\0" + exif_blob(orientation=6, order=order)) == exif_blob(orientation=1, order=order)
 
 
 @pytest.mark.parametrize("order", ["<", ">"])

@@ -88,5 +88,4 @@ def test_an_extension_that_others_wrote_is_read() -> None:
     heads = {at: name.upper().encode() + struct.pack(">II", len(extension), at) for at in range(0, len(extension), 50)}
     pieces = [head + extension[at : at + 50] for at, head in heads.items()]
     main = packet(" q:a='1'", note)
-    joined = extended_xmp.joined(main, pieces)
-    assert properties(joined) == Counter({"{urn:q}a=1": 1, "{urn:g}Data=abc": 1})
+    assert properties(extended_xmp.joined(main, pieces)) == Counter({"{urn:q}a=1": 1, "{urn:g}Data=abc": 1})

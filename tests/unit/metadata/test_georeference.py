@@ -38,5 +38,4 @@ def test_resolution_of_tags(unit: int, microns: float) -> None:
 
 def test_resolution_of_slides() -> None:
     aperio = text("Aperio Image Library v10.0.51|AppMag = 40|MPP = 0.2520|Left = 1")
-    found = resolution(None, exif_of({270: aperio, 282: rational(1), 283: rational(1)}))
-    assert found.microns == (0.252, 0.252)
+    assert resolution(None, exif_of({270: aperio, 282: rational(1), 283: rational(1)})).microns == (0.252, 0.252)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import struct
 
 import pytest
-from tags import text
+from tags import rational, text
 
 from sgicodec.metadata import exif, ifd
 from sgicodec.metadata.motion import Motion
@@ -71,6 +71,7 @@ def pixels_per_cm(directory: ifd.Directory) -> list[float] | None:
         ('<OME><Pixels PhysicalSizeX="5E-4" PhysicalSizeXUnit="mm"/></OME>\n', [20000, 20000]),
         ('<OME><Pixels PhysicalSizeX="500" PhysicalSizeXUnit="nm" PhysicalSizeYUnit="nm"/></OME>', [20000, 20000]),
         ('<OME><Pixels PhysicalSizeX="2" PhysicalSizeXUnit="&#181;m"/></OME>', [5000, 5000]),
+        ('<OME><Pixels PhysicalSizeX="20" PhysicalSizeXUnit="Å"/></OME>', [5e6, 5e6]),
         ('<OME><Pixels PhysicalSizeX="2" PhysicalSizeXUnit="pixel"/></OME>', None),
         ('<OME><Pixels PhysicalSizeX="2"/><Pixels PhysicalSizeX="3"/></OME>', None),
         ('<OME><Pixels PhysicalSizeX="two"/></OME>', None),
@@ -85,3 +86,9 @@ def test_shapes_go_and_sizes_stay(stated: str, expected: list[float] | None) -> 
     assert 270 not in kept
     assert 305 in kept
     assert pixels_per_cm(kept) == (None if expected is None else pytest.approx(expected))
+
+
+@pytest.mark.parametrize("unit", ["um", "µm", r"\u00B5m"])
+def test_imagej_counts_pixels_in_its_unit(unit: str) -> None:
+    stated = {270: text(f"ImageJ=1.54\nunit={unit}\n"), 282: rational(4), 283: rational(2)}
+    assert pixels_per_cm(without_shape(stated)) == [40000, 20000]

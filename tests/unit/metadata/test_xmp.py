@@ -32,8 +32,7 @@ def test_the_orientation() -> None:
     assert xmp.orientation(packet(" t:Orientation = '3'")) == 3
     assert xmp.orientation(None) is None
     assert xmp.upright(b'<a tiff:Orientation="6" b="6">') == b'<a tiff:Orientation="1" b="6">'
-    element = b"<tiff:Orientation>8</tiff:Orientation>"
-    assert xmp.upright(element) == b"<tiff:Orientation>1</tiff:Orientation>"
+    assert xmp.upright(b"<tiff:Orientation>8</tiff:Orientation>") == b"<tiff:Orientation>1</tiff:Orientation>"
 
 
 def test_what_points_behind_the_picture_is_taken_out() -> None:

@@ -32,8 +32,7 @@ def test_luma_weights_and_scale() -> None:
     assert luma(colour)[0, 0] == pytest.approx(expected)
     assert luma(colour.astype(np.uint16) * 257)[0, 0] == pytest.approx(expected)
     assert luma(colour / 255.0)[0, 0] == pytest.approx(expected)
-    with_alpha = np.concatenate([colour, np.full((1, 1, 1), 255, np.uint8)], axis=2)
-    assert luma(with_alpha)[0, 0] == pytest.approx(expected)
+    assert luma(np.concatenate([colour, np.full((1, 1, 1), 255, np.uint8)], axis=2))[0, 0] == pytest.approx(expected)
     assert luma(np.array([[[40, 255]]], np.uint8))[0, 0] == 40
 
 
@@ -50,8 +49,7 @@ def test_colours_that_nobody_sees_count_nothing() -> None:
     a, b = (np.full((2, 2, 4), value, np.uint8) for value in (0, 255))
     a[0, :, 3] = b[0, :, 3] = 0
     a[1, :, 3] = 255
-    pictures = (Picture(pixels, "rgba", (0.0, 255.0)) for pixels in (a, b))
-    assert squared_error(*pictures) == pytest.approx(2 * 3)
+    assert squared_error(*(Picture(pixels, "rgba", (0.0, 255.0)) for pixels in (a, b))) == pytest.approx(2 * 3)
 
 
 @pytest.mark.parametrize(
@@ -77,8 +75,9 @@ def test_error_map_is_signed_and_amplified() -> None:
     assert error_map(a, b, gain=10).tolist() == [[[128, 158, 98, 255]]]
     wide_a, wide_b = a.astype(np.uint16) * 257, b.astype(np.uint16) * 257
     assert error_map(wide_a, wide_b, gain=10).tolist() == [[[128, 158, 98, 255]]]
-    with pytest.raises(UsageError, match="gain"):
-        error_map(a, b, gain=0)
+    for gain in (0, np.inf):
+        with pytest.raises(UsageError, match="gain"):
+            error_map(a, b, gain=gain)
 
 
 @pytest.mark.parametrize("measure", [psnr, scores])

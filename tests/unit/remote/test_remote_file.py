@@ -61,9 +61,9 @@ def test_commands(data: bytes, tmp_path: Path) -> None:
         assert server.bytes <= 2 * BLOCK
         done("decode", url, "--size", "16x", "--quiet")
         done("decode", url, "--size", "16x", "--output-dir", "many", "--quiet")
-        np.testing.assert_array_equal(
-            sgicodec.read(tmp_path / "a.png").pixels, sgicodec.read(tmp_path / "many" / "a.png").pixels
-        )
+        np.testing.assert_array_equal(*(sgicodec.read(tmp_path / name).pixels for name in ("a.png", "many/a.png")))
+        done("strip", url, "plain.sgi")
+        assert (tmp_path / "plain.sgi").read_bytes() == data
         assert "ok, 256×256" in sgi("verify", url).output
         assert refused(4, "verify", f"{server.url}/cut.sgi").startswith(f"sgi: {server.url}/cut.sgi: ")
 

@@ -22,8 +22,7 @@ def survival(table: int, x: float) -> float:
 
 
 def test_the_committed_file_is_the_specified_one() -> None:
-    data = files("sgicodec.bitstream.entropy").joinpath("tables.bin").read_bytes()
-    assert hashlib.sha256(data).hexdigest() == SHA256
+    assert hashlib.sha256(files("sgicodec.bitstream.entropy").joinpath("tables.bin").read_bytes()).hexdigest() == SHA256
 
 
 @pytest.mark.parametrize("table", range(TABLES))
