@@ -70,4 +70,5 @@ def some_of(rects: Sequence[Rect]) -> Sequence[Rect]:
 def above_nothing(plan: Plan) -> Plan:
     """The plan of tiles that take next to nothing."""
     settings, header = replace(plan.settings, effort=1, steps=None), replace(plan.header, masked=None)
-    return replace(plan, settings=settings, header=header).at(_LARGE_LMBDA, quality_index(_LARGE_LMBDA))
+    plan = replace(plan, settings=settings, header=header, texture_lmbda=None)
+    return plan.at(_LARGE_LMBDA, quality_index(_LARGE_LMBDA))

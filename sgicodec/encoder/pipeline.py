@@ -124,16 +124,21 @@ def encode_all_channels(picture: Picture, settings: EncodeSettings, device: Devi
 
 def _way_to_divide(windows: Windows, plan: Plan, listener: NullListener) -> Callable[[Windows, Plan], Division]:
     """How tiles and a residual layer share the picture. The listener gets to know of classes that change."""
-    if plan.settings.max_error is not None:
+    settings = plan.settings
+    if settings.max_error is not None:
         return with_layer
     if holds_classes(windows, plan):
-        if is_quality_asked(plan):
+        if is_quality_asked(replace(plan, settings=settings.without_target())):
             return with_classes
-        listener.note("its few values, as of classes, change: ask for no size, PSNR or λ, or use --lossless")
+        listener.note("its few values, as of classes, change: use --lossless")
     elif bands := changed_bands(windows, plan):
         named = f"band{'s' * (len(bands) > 1)} {', '.join(map(str, bands))}"
         listener.note(f"few values, as of classes and masks, change in {named}: encode them apart, or use --lossless")
-    return with_graphics if is_quality_asked(plan) else Division
+    return _divided
+
+
+def _divided(windows: Windows, plan: Plan) -> Division:
+    return with_graphics(windows, plan) if is_quality_asked(plan) else Division(windows, plan)
 
 
 def _undivided(windows: Windows, plan: Plan) -> Division:

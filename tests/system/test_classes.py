@@ -23,7 +23,7 @@ def coded(pixels: np.ndarray, **how: Any) -> tuple[np.ndarray, list[str]]:
     return decode(data).reshape(pixels.shape), [str(one.message) for one in said]
 
 
-@pytest.mark.parametrize("quality", [None, 5.0])
+@pytest.mark.parametrize("asked", [{}, {"quality": 5.0}, {"psnr": 30.0}])
 @pytest.mark.parametrize(
     ("pixels", "channels", "nodata"),
     [
@@ -36,16 +36,14 @@ def coded(pixels: np.ndarray, **how: Any) -> tuple[np.ndarray, list[str]]:
         (np.dstack([AREAS, AREAS == 1, SCATTERED]), "multi", None),
     ],
 )
-def test_few_values_come_back(pixels: np.ndarray, channels: str, nodata: float | None, quality: float | None) -> None:
-    found, said = coded(pixels, channels=channels, nodata=nodata, quality=quality)
+def test_few_values_come_back(pixels: np.ndarray, channels: str, nodata: float | None, asked: dict[str, float]) -> None:
+    found, said = coded(pixels, channels=channels, nodata=nodata, **asked)
     np.testing.assert_array_equal(found, pixels)
     assert said == []
 
 
 def test_what_changes_is_said() -> None:
-    assert coded(AREAS, psnr=30.0)[1] == [
-        "its few values, as of classes, change: ask for no size, PSNR or λ, or use --lossless"
-    ]
+    assert coded(AREAS, lmbda=0.01)[1] == ["its few values, as of classes, change: use --lossless"]
     photograph = RANDOM.integers(0, 256, (70, 90, 2), np.uint8)
     assert coded(np.dstack([photograph, AREAS]), channels="multi")[1] == [
         "few values, as of classes and masks, change in band 3: encode them apart, or use --lossless"
