@@ -1,4 +1,4 @@
-"""How good a picture is below a residual layer that was asked for."""
+"""How good a picture is below a residual layer that shows all of it."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from sgicodec.encoder.division import Division, above_nothing, has_all_samples, is_quality_asked, some_of
+from sgicodec.encoder.input.graphic_windows import without_unseen_colours
 from sgicodec.encoder.input.windows import Windows
 from sgicodec.encoder.plan import Plan
 from sgicodec.encoder.residual import Layer
@@ -16,13 +17,30 @@ from sgicodec.metrics.psnr import luma
 from sgicodec.model.steps import quality_index
 from sgicodec.model.tile_grid import Rect
 
-__all__ = ["with_layer"]
+__all__ = ["with_layer", "without_loss"]
 
 _JPEG_SHARE = 1 / 3
 """Of blocks of a picture that was a JPEG file in which its grid is seen: it is not where they are flat."""
 _JPEG_QUALITY, _EXACT_ERROR, _ERROR_DOUBLING = 98.0, 2.0, 10.0
 """Quality below a layer over what was a JPEG file, up to which error in levels of 255, and by how much less it is for
 each doubling of that (docs/notes/2026-11-residual-layer.md)."""
+
+
+_QUALITY_BELOW = 20.0
+"""Of a picture of which a layer cannot show all views, where nothing was asked for: they matter little."""
+
+
+def without_loss(windows: Windows, plan: Plan) -> Division:
+    """All samples as they are, in every view where none is nodata."""
+    settings = replace(plan.settings, max_error=0.0)
+    plan = replace(plan, settings=settings)
+    if has_all_samples(plan.header):
+        seen = without_unseen_colours(windows)
+        return Division(seen, above_nothing(plan), Layer(seen, 0, exact_views=True))
+    if settings.quality is None:
+        lmbda = replace(settings, quality=_QUALITY_BELOW).fit_settings().lmbda
+        plan = plan.at(lmbda, quality_index(lmbda))
+    return Division(windows, plan, Layer(windows, 0))
 
 
 def with_layer(windows: Windows, plan: Plan) -> Division:

@@ -3,21 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sgicodec.encoder.division import Division, above_nothing, has_all_samples, some_of
-from sgicodec.encoder.input.graphic_windows import without_unseen_colours
+from sgicodec.encoder.division import some_of
 from sgicodec.encoder.input.windows import Windows
 from sgicodec.encoder.plan import Plan
-from sgicodec.encoder.residual import Layer
 from sgicodec.encoder.residual_form import Repeats, block_rects
-from sgicodec.model.steps import quality_index
 
-__all__ = ["changed_bands", "holds_classes", "with_classes"]
+__all__ = ["changed_bands", "holds_classes"]
 
 _MAX_VALUES, _MAX_SCATTERED = 64, 16
 """Where most pixels are as the one to their left, and where not."""
@@ -26,8 +22,6 @@ _NEAR_LEVELS = 16
 the grays of a scan."""
 _LOOK_ROWS = 8
 """Of a block, which tell a photograph."""
-_QUALITY_BELOW = 20.0
-"""Of a picture of which a layer cannot show all views, where nothing was asked for: they matter little."""
 
 
 def holds_classes(windows: Windows, plan: Plan) -> bool:
@@ -46,19 +40,6 @@ def holds_classes(windows: Windows, plan: Plan) -> bool:
         return True
     extent = np.ptp(values[np.isfinite(values)]) if np.isfinite(values).any() else 0
     return len(values) <= _MAX_SCATTERED and (values.dtype != np.uint8 or bool(extent < _NEAR_LEVELS))
-
-
-def with_classes(windows: Windows, plan: Plan) -> Division:
-    """All samples without loss, in every view where none is nodata."""
-    settings = replace(plan.settings, max_error=0.0)
-    plan = replace(plan, settings=settings)
-    if has_all_samples(plan.header):
-        seen = without_unseen_colours(windows)
-        return Division(seen, above_nothing(plan), Layer(seen, 0, exact_views=True))
-    if settings.quality is None:
-        lmbda = replace(settings, quality=_QUALITY_BELOW).fit_settings().lmbda
-        plan = plan.at(lmbda, quality_index(lmbda))
-    return Division(windows, plan, Layer(windows, 0))
 
 
 def changed_bands(windows: Windows, plan: Plan) -> list[int]:

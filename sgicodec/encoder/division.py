@@ -34,21 +34,23 @@ class Division:
 
 
 @dataclass(frozen=True)
-class ExactDivision(Division):
-    """A picture that a layer shows without loss, in all views. rects: some of its blocks, which stand for `parts` of
-    it; least: bits that it takes at least.
+class ExactDivision:
+    """A picture without loss. rects: some of its blocks, which stand for `parts` of it; least: bits that it takes at
+    least; worth: how many times the bytes of a lossy stream it may take.
     """
 
-    rects: Sequence[Rect] = ()
-    parts: float = 1.0
-    least: float = 0.0
+    division: Division
+    rects: Sequence[Rect]
+    parts: float
+    least: float
+    worth: float
 
-    def takes_less_than(self, size: int) -> bool:
-        """Whether it takes fewer bytes, about."""
-        bits = 8 * (size - _OTHER_BYTES)
-        if self.layer is None or self.least >= bits:
+    def may_be_taken(self, size: int) -> bool:
+        """Whether its layer takes few enough bytes, about, where a lossy stream takes so many."""
+        layer, bits = self.division.layer, 8 * (self.worth * size - _OTHER_BYTES)
+        if layer is None or self.least >= bits:
             return False
-        return bits_of_blocks(self.plan.header, self.layer, self.rects) / self.parts < bits
+        return bits_of_blocks(self.division.plan.header, layer, self.rects) / self.parts < bits
 
 
 def is_quality_asked(plan: Plan) -> bool:

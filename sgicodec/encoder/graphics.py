@@ -9,6 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from sgicodec.encoder.below_layer import without_loss
 from sgicodec.encoder.division import Division, ExactDivision, above_nothing, has_all_samples, some_of
 from sgicodec.encoder.graphic_cells import CellSurvey, ColourSurvey, cell_means, cells_in, level_of, repeating_cells
 from sgicodec.encoder.input.graphic_windows import with_fewer_colours, without_cells, without_unseen_colours
@@ -18,6 +19,7 @@ from sgicodec.encoder.residual import Layer, bits_of_blocks
 from sgicodec.encoder.residual_form import Repeats, block_rects
 from sgicodec.metadata.layouts import alpha_index
 from sgicodec.model.tile_grid import Rect
+from sgicodec.picture import nodata_samples
 
 __all__ = ["with_graphics"]
 
@@ -35,6 +37,9 @@ _ERROR, _ERROR_HALVING = 8.0, 20
 _MAX_ERROR = 15
 """Whatever the quality; text is often no more than twice as far from its ground."""
 _MAX_COLOURS = 3
+_WORTH_OF_DATA = 1.5
+"""Times the bytes of a lossy stream that one without loss may take where most pixels repeat each other and samples are
+no 8 bits to look at: then they are the numbers of areas (docs/notes/2026-11-text.md)."""
 
 
 def with_graphics(windows: Windows, plan: Plan) -> Division:
@@ -42,29 +47,29 @@ def with_graphics(windows: Windows, plan: Plan) -> Division:
     bits without loss. `exact` is there where most pixels repeat each other.
     """
     header = plan.header
-    division = Division(windows, plan)
-    if not has_all_samples(header) or header.sample_type == "float32":
-        return division
-    rects = list(block_rects(header))
+    division, rects = Division(windows, plan), list(block_rects(header))
     seen, sample = without_unseen_colours(windows), some_of(rects)
-    if header.colours <= _MAX_COLOURS and _has_some(seen, sample):
-        division = _divided(seen, plan, rects)
-    if division.layer is None and alpha_index(header.channels) is not None and _is_alpha_cheap(windows, plan, sample):
-        division = Division(windows, replace(plan, exact_alpha=True), Layer(windows, 0, is_alpha=True))
+    if has_all_samples(header) and header.sample_type != "float32":
+        if header.colours <= _MAX_COLOURS and _has_some(seen, sample):
+            division = _divided(seen, plan, rects)
+        has_alpha = division.layer is None and alpha_index(header.channels) is not None
+        if has_alpha and _is_alpha_cheap(windows, plan, sample):
+            division = Division(windows, replace(plan, exact_alpha=True), Layer(windows, 0, is_alpha=True))
     repeats, parts = _repeats(seen, sample), len(sample) / len(rects)
-    if not repeats.are_usual:
+    if not repeats.are_usual or windows.shape.rounding:
         return division
-    layer = Layer(seen, 0, exact_views=True)
-    return replace(
-        division, exact=ExactDivision(seen, above_nothing(plan), layer, None, sample, parts, repeats.others / parts)
-    )
+    worth = 1.0 if has_all_samples(header) and header.sample_type == "uint8" else _WORTH_OF_DATA
+    exact = ExactDivision(without_loss(windows, plan), sample, parts, repeats.others / parts, worth)
+    return replace(division, exact=exact)
 
 
 def _repeats(windows: Windows, rects: Sequence[Rect]) -> Repeats:
-    """How many pixels of these blocks are as the one to their left."""
+    """How many pixels of these blocks are as the one to their left, without those of nodata."""
     repeats = Repeats()
     for rect in rects:
-        repeats.see(windows.read(*rect).pixels)
+        window = windows.read(*rect)
+        seen = None if window.nodata is None else np.asarray(~nodata_samples(window).all(axis=2))
+        repeats.see(window.pixels, seen)
     return repeats
 
 

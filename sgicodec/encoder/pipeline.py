@@ -13,8 +13,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO
 
 from sgicodec.device import ALL_CORES, Device, check_device
-from sgicodec.encoder.below_layer import with_layer
-from sgicodec.encoder.classes import changed_bands, holds_classes, with_classes
+from sgicodec.encoder.below_layer import with_layer, without_loss
+from sgicodec.encoder.classes import changed_bands, holds_classes
 from sgicodec.encoder.division import Division, is_quality_asked
 from sgicodec.encoder.graphics import with_graphics
 from sgicodec.encoder.input.windows import Windows, kept, windows_of, without_needless_alpha
@@ -129,7 +129,7 @@ def _way_to_divide(windows: Windows, plan: Plan, listener: NullListener) -> Call
         return with_layer
     if holds_classes(windows, plan):
         if is_quality_asked(replace(plan, settings=settings.without_target())):
-            return with_classes
+            return without_loss
         listener.note("its few values, as of classes, change: use --lossless")
     elif bands := changed_bands(windows, plan):
         named = f"band{'s' * (len(bands) > 1)} {', '.join(map(str, bands))}"
@@ -144,7 +144,7 @@ def _divided(windows: Windows, plan: Plan) -> Division:
 def _undivided(windows: Windows, plan: Plan) -> Division:
     asked = plan.settings.max_error
     if asked is None and is_quality_asked(plan) and holds_classes(windows, plan):
-        return with_classes(windows, plan)
+        return without_loss(windows, plan)
     return Division(windows, plan, None if asked is None else Layer(windows, asked))
 
 

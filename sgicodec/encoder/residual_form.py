@@ -131,13 +131,15 @@ class Repeats:
     def __init__(self) -> None:
         self.pixels = self.others = 0
 
-    def see(self, pixels: NDArray[Any]) -> NDArray[np.bool_]:
-        """More pixels [h, w, C]; gives which are not [h, w]."""
+    def see(self, pixels: NDArray[Any], among: NDArray[np.bool_] | None = None) -> NDArray[np.bool_]:
+        """More pixels [h, w, C], of which those `among` count, by default all; gives which are not [h, w]."""
         others = np.ones(pixels.shape[:2], np.bool_)
         others[:, 1:] = False
         for channel in range(pixels.shape[2]):
             others[:, 1:] |= pixels[:, 1:, channel] != pixels[:, :-1, channel]
-        self.pixels += others.size
+        if among is not None:
+            others &= among
+        self.pixels += others.size if among is None else int(np.count_nonzero(among))
         self.others += int(np.count_nonzero(others))
         return others
 

@@ -144,10 +144,11 @@ class Streams:
         """The stream of a plan, whatever its target. Raises TileFailedError; the store then has what was finished."""
         division = self._request.divided(self._request.windows, plan)
         finished = self._divided(division, name)
-        exact = division.exact
-        if exact is None or not exact.takes_less_than(finished.length(self._store)):
+        exact, size = division.exact, finished.length(self._store)
+        if exact is None or not exact.may_be_taken(size):
             return finished
-        return self._divided(exact, name)
+        without_loss = self._divided(exact.division, name)
+        return without_loss if without_loss.length(self._store) <= exact.worth * size else finished
 
     def _divided(self, division: Division, name: str) -> Finished:
         """The stream of a picture that is divided: what its tiles lack of this pass is done. A pass follows from the

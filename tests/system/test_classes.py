@@ -13,6 +13,7 @@ from sgicodec import decode, encode
 RANDOM = np.random.default_rng(8)
 AREAS = (np.abs(np.add.outer(np.arange(70) - 30, RANDOM.integers(-3, 4, 90))) // 12).astype(np.uint8)  # 0 to 3
 SCATTERED = (RANDOM.random((70, 90)) < 0.1).astype(np.uint8)
+NUMBERS = np.kron(RANDOM.integers(0, 60000, (7, 9)), np.ones((10, 10), int))  # of areas, a different one each
 GRAYS = RANDOM.integers(0, 16, (70, 90), np.uint8)
 
 
@@ -34,6 +35,8 @@ def coded(pixels: np.ndarray, **how: Any) -> tuple[np.ndarray, list[str]]:
         (np.where(AREAS, AREAS, np.nan).astype(np.float32), "gray", np.nan),
         (RANDOM.integers(0, 256, (4, 3), np.uint8)[AREAS], "rgb", None),
         (np.dstack([AREAS, AREAS == 1, SCATTERED]), "multi", None),
+        (NUMBERS.astype(np.uint16), "gray", None),
+        (NUMBERS.astype(np.float32), "gray", float(NUMBERS[0, 0])),
     ],
 )
 def test_few_values_come_back(pixels: np.ndarray, channels: str, nodata: float | None, asked: dict[str, float]) -> None:
