@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from unittest.mock import Mock, call
 
 import numpy as np
 import pytest
@@ -17,20 +18,6 @@ from sgicodec.picture import Metadata, full_range
 TILES = [0, 64]
 
 
-class Notes(NullListener):
-    """Remembers what it was told."""
-
-    def __init__(self) -> None:
-        self.texts: list[str] = []
-        self.remarks: list[str] = []
-
-    def note(self, text: str) -> None:
-        self.texts.append(text)
-
-    def remark(self, text: str) -> None:
-        self.remarks.append(text)
-
-
 @pytest.fixture(scope="module")
 def colours() -> np.ndarray:
     return crop("kodim23", np.s_[100:180, 150:250]).pixels
@@ -42,11 +29,11 @@ def with_alpha(colours: np.ndarray, alpha: int) -> np.ndarray:
 
 @pytest.mark.parametrize("tile", TILES)
 def test_colours_are_kept_where_alpha_hides_them_all(tmp_path: Path, colours: np.ndarray, tile: int) -> None:
-    notes, settings = Notes(), EncodeSettings(steps=20, tile=tile)
+    listener, settings = Mock(wraps=NullListener()), EncodeSettings(steps=20, tile=tile)
     write(Picture(with_alpha(colours, 0), "rgba", (0.0, 255.0)), tmp_path / "x.png")
     with open_source(tmp_path / "x.png") as source:
-        encoded = encode_picture(source, settings, progress=notes, verify=True)
-    assert notes.texts == ["alpha is 0 everywhere; it is left out, and the colours are kept"]
+        encoded = encode_picture(source, settings, progress=listener, verify=True)
+    assert listener.note.mock_calls == [call("alpha is 0 everywhere; it is left out, and the colours are kept")]
     assert encoded.data == encode_picture(Picture(colours, "rgb", (0.0, 255.0)), settings).data
     assert np.abs(decode(encoded.data).astype(int) - colours).mean() < 12
 
@@ -54,11 +41,11 @@ def test_colours_are_kept_where_alpha_hides_them_all(tmp_path: Path, colours: np
 @pytest.mark.parametrize("tile", TILES)
 @pytest.mark.parametrize("dtype", [np.uint8, np.uint16, np.float32])
 def test_alpha_that_is_opaque_everywhere_is_left_out(colours: np.ndarray, tile: int, dtype: type) -> None:
-    notes, settings, high = Notes(), EncodeSettings(steps=5, tile=tile), full_range(dtype)[1]
+    listener, settings, high = Mock(wraps=NullListener()), EncodeSettings(steps=5, tile=tile), full_range(dtype)[1]
     pixels = (with_alpha(colours, 255) * (high / 255)).astype(dtype)
-    encoded = encode_picture(Picture(pixels, "rgba", (0.0, high)), settings, progress=notes, verify=True)
-    assert notes.remarks == ["alpha is opaque everywhere; it is left out"]
-    assert notes.texts == []
+    encoded = encode_picture(Picture(pixels, "rgba", (0.0, high)), settings, progress=listener, verify=True)
+    assert listener.remark.mock_calls == [call("alpha is opaque everywhere; it is left out")]
+    assert listener.note.mock_calls == []
     assert encoded.data == encode_picture(Picture(pixels[..., :3], "rgb", (0.0, high)), settings).data
 
 
@@ -77,12 +64,12 @@ def test_what_is_opaque_beside_other_alpha_stays_opaque(colours: np.ndarray, til
 @pytest.mark.parametrize("tile", TILES)
 @pytest.mark.parametrize("nodata", [False, True])
 def test_a_stream_of_nothing_says_so(tile: int, nodata: bool) -> None:
-    notes, pixels = Notes(), np.zeros((70, 80, 4), np.uint8)
+    listener, pixels = Mock(wraps=NullListener()), np.zeros((70, 80, 4), np.uint8)
     metadata = Metadata(geo=geo_of({**TIED, 42113: text("0")})) if nodata else Metadata()
     picture = Picture(pixels[..., :3] if nodata else pixels, "rgb" if nodata else "rgba", (0.0, 255.0), metadata)
-    encode_picture(picture, EncodeSettings(steps=5, tile=tile), progress=notes)
+    encode_picture(picture, EncodeSettings(steps=5, tile=tile), progress=listener)
     what = "every pixel has the nodata value" if nodata else "alpha is 0 everywhere and there are no colours"
-    assert notes.texts == [f"{what}; the stream holds no picture"]
+    assert listener.note.mock_calls == [call(f"{what}; the stream holds no picture")]
 
 
 @pytest.mark.parametrize("nodata", [None, "0"])
@@ -95,9 +82,9 @@ def test_near_infrared_that_is_declared_as_alpha(tmp_path: Path, colours: np.nda
     write(Picture(pixels, "rgba", (0.0, 255.0), Metadata(geo=geo_of(tags))), tmp_path / "x.tif")
     errors = {}
     for alpha in ("auto", "band"):
-        notes = Notes()
+        listener = Mock(wraps=NullListener())
         with open_source(tmp_path / "x.tif", alpha=alpha) as source:
-            data = encode_picture(source, EncodeSettings(quality=70, steps=30), progress=notes).data
+            data = encode_picture(source, EncodeSettings(quality=70, steps=30), progress=listener).data
         found = open_stream(data).picture()
         errors[alpha] = np.abs(found.pixels.astype(int) - pixels)[25:55, 25:75, :3].mean()
         told = [
@@ -105,7 +92,8 @@ def test_near_infrared_that_is_declared_as_alpha(tmp_path: Path, colours: np.nda
             "there is a nodata value besides alpha: alpha is lossy, also where",
         ]
         told = told[: 1 if nodata is None else 2] if alpha == "auto" else []
-        assert [one.startswith(text) for one, text in zip(notes.texts, told, strict=True)] == [True] * len(told)
+        said = [one.args[0] for one in listener.note.mock_calls]
+        assert [one.startswith(text) for one, text in zip(said, told, strict=True)] == [True] * len(told)
     assert found.channels == "multi"
     assert errors["band"] < 6
     assert nodata is not None or errors["auto"] > 2 * errors["band"]

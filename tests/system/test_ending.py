@@ -3,27 +3,14 @@
 from __future__ import annotations
 
 from typing import Any
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
 from data_files import crop
 
 from sgicodec import EncodeSettings, NullListener, Picture, decode, encode_picture
-from sgicodec.fit.trainer import Progress
 from sgicodec.rdoq import coordinate_descent
-
-
-class Ending(NullListener):
-    """Ends the fit at a step, or what comes after it."""
-
-    def __init__(self, step: int | None) -> None:
-        self._step = step
-
-    def step(self, progress: Progress) -> bool:
-        return self._step is None or progress.step < self._step
-
-    def ending(self) -> bool:
-        return True
 
 
 @pytest.fixture
@@ -47,8 +34,9 @@ def picture() -> Picture:
 
 @pytest.mark.parametrize("step", [3, None])
 def test_no_pass_follows_an_end(picture: Picture, passes: list[float], step: int | None) -> None:
-    """Forty passes took a minute after Ctrl-C."""
-    encoded = encode_picture(picture, EncodeSettings(steps=40), progress=Ending(step), verify=True)
+    """Forty passes took a minute after Ctrl-C. It ends the fit at a step, or what comes after it."""
+    listener = Mock(wraps=NullListener(), ending=lambda: True, step=lambda at: step is None or at.step < step)
+    encoded = encode_picture(picture, EncodeSettings(steps=40), progress=listener, verify=True)
     assert passes == []
     assert encoded.ended_early
     assert encoded.steps == (step or 40)

@@ -18,11 +18,6 @@ HEIGHT, WIDTH = 160, 200
 TILES = [0, 128]
 
 
-def blob(nodata: bytes) -> bytes:
-    """A place, and what stands for nothing."""
-    return geo_of({**TIED, 42113: text(nodata)})
-
-
 @pytest.fixture(scope="module")
 def pixels() -> np.ndarray:
     return crop("kodim23", np.s_[100 : 100 + HEIGHT, 150 : 150 + WIDTH]).pixels
@@ -41,12 +36,14 @@ def settings(tile: int, **more: float) -> EncodeSettings:
     return EncodeSettings(steps=30, tile=tile, **more)
 
 
-def holed(pixels: np.ndarray, hole: np.ndarray, value: float, text: bytes) -> Picture:
+def holed(pixels: np.ndarray, hole: np.ndarray, value: float, nodata: bytes) -> Picture:
+    """With a place."""
     pixels = pixels.copy()
     pixels[hole] = value
     sound = pixels[~hole]
     full = (0.0, float(np.iinfo(pixels.dtype).max)) if pixels.dtype.kind == "u" else None
-    return Picture(pixels, "rgb", full or (float(sound.min()), float(sound.max())), Metadata(geo=blob(text)))
+    metadata = Metadata(geo=geo_of({**TIED, 42113: text(nodata)}))
+    return Picture(pixels, "rgb", full or (float(sound.min()), float(sound.max())), metadata)
 
 
 @pytest.mark.parametrize("tile", TILES)

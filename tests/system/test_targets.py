@@ -59,11 +59,6 @@ def test_targets_without_texture(photo: Picture, target: dict[str, float]) -> No
         assert quality(photo, encoded) == pytest.approx(34.0, abs=0.1)
 
 
-def test_no_target_above_a_residual_layer() -> None:
-    with pytest.raises(UsageError, match="psnr and max-error exclude each other"):
-        EncodeSettings(psnr=40.0, max_error=0)
-
-
 def test_an_impossible_size_gives_the_nearest_stream(photo: Picture) -> None:
     with pytest.raises(TargetMissedError, match="at most 90 bytes") as caught:
         encode_picture(photo, EncodeSettings(size=90, steps=60))
@@ -139,6 +134,7 @@ def test_pictures_at_the_edge(picture: Picture, target: dict[str, float]) -> Non
         ({"size": 3000.0, "bpp": 1.0}, "size and bpp exclude"),
         ({"size": 3000.0, "lmbda": 1.0}, "lmbda and size exclude"),
         ({"psnr": 30.0, "profile": "paper"}, "default profile"),
+        ({"psnr": 40.0, "max_error": 0}, "psnr and max-error exclude each other"),
     ],
 )
 def test_settings_that_make_no_sense(choices: dict[str, float], complaint: str) -> None:

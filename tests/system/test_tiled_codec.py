@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -101,11 +101,8 @@ def test_a_file_that_changes_is_no_picture(tmp_path: Path) -> None:
     path, out = tmp_path / "a.tif", tmp_path / "a.sgi"
     picture = crop("kodim23", np.s_[:64, :160])
     write(picture, path)
-
-    class Changing(NullListener):
-        def tile(self, state: Any) -> None:
-            write(replace(picture, pixels=picture.pixels[:, ::-1].copy()), path)
-
+    turned = replace(picture, pixels=picture.pixels[:, ::-1].copy())
+    listener = Mock(wraps=NullListener(), tile=lambda _: write(turned, path))
     with open_source(path) as source, pytest.raises(PictureError, match="has changed since it was opened"):
-        encode_picture(source, EncodeSettings(steps=10, tile=64), output=out, progress=Changing())
+        encode_picture(source, EncodeSettings(steps=10, tile=64), output=out, progress=listener)
     assert not out.exists()

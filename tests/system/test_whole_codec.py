@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from unittest.mock import Mock
+
 import numpy as np
 import pytest
 from data_files import crop
 from image_files import by_pillow
 
 from sgicodec import Encoded, EncodeSettings, NullListener, Picture, decode, encode_picture, read
-from sgicodec.fit.trainer import Progress
 from sgicodec.metrics.psnr import psnr
 
 
@@ -39,34 +40,15 @@ def test_smaller_than_jpeg_at_the_same_fidelity(coded: tuple[Picture, dict[int, 
     assert len(ours) < len(theirs)
 
 
-class Watch(NullListener):
-    """Keeps every step's PSNR, under the noise of that step, and bits."""
-
-    def __init__(self) -> None:
-        self.psnr: list[float] = []
-        self.bits: list[float] = []
-
-    def step(self, progress: Progress) -> bool:
-        self.psnr.append(progress.psnr)
-        self.bits.append(progress.bits)
-        return True
-
-
-def fitted(**settings: object) -> tuple[float, int, Watch]:
-    """PSNR of what is decoded, bytes, and the steps of a fit of 2,400 Gaussians, one for 10 pixels."""
-    picture, watch = crop("kodim23", np.s_[160:288, 80:272]), Watch()
-    asked = EncodeSettings(profile="paper", steps=300, seeds=240, **settings)  # type: ignore[arg-type]
-    data = encode_picture(picture, asked, progress=watch).data
-    return psnr(picture.pixels, decode(data)), len(data), watch
-
-
 def test_a_short_fit() -> None:
-    """Where features cannot leave the noise, every seed shows one colour, at 14 dB; what the stream holds is what the
-    fit saw; and MLP_p is asked at full size, under noise, alone.
+    """Of 2,400 Gaussians, one for 10 pixels. Where features cannot leave the noise, every seed shows one colour, at
+    14 dB; what the stream holds is what the fit saw, under noise; and MLP_p is asked at full size, under noise, alone.
     """
-    decoded, size, watch = fitted()
+    picture, listener = crop("kodim23", np.s_[160:288, 80:272]), Mock(wraps=NullListener())
+    data = encode_picture(picture, EncodeSettings(profile="paper", steps=300, seeds=240), progress=listener).data
+    decoded, steps = psnr(picture.pixels, decode(data)), [one.args[0] for one in listener.step.mock_calls]
     assert decoded > 23.0
-    assert size < 18_000
-    assert abs(decoded - float(np.mean(watch.psnr[-10:]))) < 0.3
-    assert not any(watch.bits[:222])
-    assert min(watch.bits[222:]) > 0
+    assert len(data) < 18_000
+    assert abs(decoded - float(np.mean([step.psnr for step in steps[-10:]]))) < 0.3
+    assert not any(step.bits for step in steps[:222])
+    assert min(step.bits for step in steps[222:]) > 0

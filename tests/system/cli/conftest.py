@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -47,17 +48,13 @@ def shared(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture
 def picture(shared: Path, tmp_path: Path) -> Path:
     """scene.png in a folder of its own."""
-    copy = tmp_path / "scene.png"
-    copy.write_bytes((shared / "scene.png").read_bytes())
-    return copy
+    return Path(shutil.copy(shared / "scene.png", tmp_path))
 
 
 @pytest.fixture
 def stream(shared: Path, tmp_path: Path) -> Path:
     """scene.sgi in a folder of its own."""
-    copy = tmp_path / "scene.sgi"
-    copy.write_bytes((shared / "scene.sgi").read_bytes())
-    return copy
+    return Path(shutil.copy(shared / "scene.sgi", tmp_path))
 
 
 class Stopped(SgiError):

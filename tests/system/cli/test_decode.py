@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from command import done, refused, sgi, told
+from surgery import flipped
 
 from sgicodec import imread, read, write
 from sgicodec.decoder.stream import open_stream
@@ -192,19 +193,11 @@ def test_a_line_tells_what_was_written(stream: Path) -> None:
     assert told("decode", stream, target, "-f")["width"] == 48
 
 
-def _cut(data: bytes) -> bytes:
-    return data[:-9]
-
-
-def _flipped(data: bytes) -> bytes:
-    return data[:60] + bytes([data[60] ^ 4]) + data[61:]
-
-
 @pytest.mark.parametrize(
     ("spoil", "complaint"),
     [
-        (_cut, "cut short"),
-        (_flipped, ""),
+        (lambda data: data[:-9], "cut short"),
+        (lambda data: flipped(data, 8 * 60 + 2), ""),
         (lambda data: b"", "empty"),
         (lambda data: b"\x89PNG\r\n\x1a\n" + data, "this is a PNG file"),
         (lambda data: data.replace(b"\r\n", b"\n", 1), "text mode"),

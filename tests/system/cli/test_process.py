@@ -10,6 +10,7 @@ import signal
 import subprocess
 import sys
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -188,10 +189,7 @@ def test_a_report_that_cannot_be_written(picture: Path, stream: Path, arguments:
 @pytest.mark.parametrize(("command", "text"), [(["encode", "--tile", 32], "I/O error"), (["encode"], "too large")])
 def test_files_that_cannot_grow(picture: Path, command: list[object], text: str) -> None:
     """It is the output that cannot be written, and nothing of it is left."""
-
-    def bound() -> None:
-        resource.setrlimit(resource.RLIMIT_FSIZE, (64, 64))
-
+    bound = partial(resource.setrlimit, resource.RLIMIT_FSIZE, (64, 64))
     status, _, errors = run(*command, picture, "--steps", 2, "-j", 1, "--quiet", before=bound)
     assert (status, errors.count("\n"), text in errors) == (3, 1, True), errors
     assert list(picture.parent.iterdir()) == [picture]
@@ -212,19 +210,16 @@ def test_names_that_are_too_long(picture: Path, stream: Path, length: int) -> No
         assert line.endswith(": File name too long\n")
 
 
-def within(mebibytes: int) -> Callable[[], None]:
-    return lambda: resource.setrlimit(resource.RLIMIT_AS, (mebibytes << 20,) * 2)
-
-
 @pytest.mark.skipif(sys.platform != "linux", reason="address space is limited on Linux alone")
 @pytest.mark.parametrize("mebibytes", [64, 96, 112, 144, 180, 210])
 def test_little_address_space(picture: Path, stream: Path, mebibytes: int) -> None:
     """Libraries that load would end the process, some without a word."""
+    bound = partial(resource.setrlimit, resource.RLIMIT_AS, (mebibytes << 20,) * 2)
     for arguments in (
         ["encode", picture, "-f", "-j", 1, "--steps", 2],
         ["decode", stream, picture.parent / "x.tga", "-f"],
     ):
-        status, _, errors = run(*arguments, before=within(mebibytes))
+        status, _, errors = run(*arguments, before=bound)
         if status:
             assert status == 1
             assert errors.startswith("sgi: there is not enough memory"), errors

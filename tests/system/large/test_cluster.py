@@ -15,7 +15,7 @@ pytest.importorskip("distributed")
 from sgicodec import EncodeSettings, encode_picture, open_source, read, write
 from sgicodec.device import ONE_THREAD
 from sgicodec.encoder.input.windows import windows_of
-from sgicodec.encoder.plan import Plan, stream_plan
+from sgicodec.encoder.plan import stream_plan
 from sgicodec.encoder.tiles.runner import PictureAt, TileTask
 from sgicodec.encoder.tiles.tasks import FitTask
 from sgicodec.errors import PictureError, TileFailedError, UsageError
@@ -60,13 +60,9 @@ def test_addresses_without_a_cluster(address: str, monkeypatch: pytest.MonkeyPat
         pass
 
 
-def plan_of(photo: Path, settings: EncodeSettings) -> Plan:
-    with open_source(photo) as source:
-        return stream_plan(windows_of(source).shape, settings)
-
-
 def test_workers_read_paths_and_urls(photo: Path, settings: EncodeSettings, tmp_path: Path) -> None:
-    plan = plan_of(photo, settings)
+    with open_source(photo) as source:
+        plan = stream_plan(windows_of(source).shape, settings)
     fit = TileTask(FitTask(plan), ONE_THREAD)
     by_path, by_url = (fit(4, PictureAt(plan, place)) for place in (str(photo), photo.as_uri()))
     assert by_path.payload == by_url.payload

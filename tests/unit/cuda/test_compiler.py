@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from sgicodec.cuda import compiler, sources
-from sgicodec.cuda.compiler import ARCHITECTURES, Compiler, Resources, compiled
+from sgicodec.cuda.compiler import ARCHITECTURES, Compiler, compiled
 from sgicodec.errors import MissingExtraError, SgiError
 
 REGISTERS, TILE_REGISTERS, SHARED, SPILLED = 168, 96, 24 << 10, {"absolute_error_4": 24}
@@ -40,22 +40,15 @@ def names_in_sources() -> set[str]:
     return found - many | {f"{name}_{channels}" for name in many for channels in range(1, 5)}
 
 
-def most_registers(name: str) -> int:
-    return TILE_REGISTERS if TILES.fullmatch(name) else REGISTERS
-
-
-def check(resources: dict[str, Resources]) -> None:
-    assert resources.keys() == names_in_sources()
-    for name, needs in resources.items():
-        assert 0 < needs.registers <= most_registers(name), (name, needs)
-        assert needs.shared <= SHARED, (name, needs)
-        assert needs.spilled <= SPILLED.get(name, 16), (name, needs)
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("architecture", ARCHITECTURES)
 def test_every_kernel_compiles_within_bounds(nvrtc: Compiler, architecture: int) -> None:
-    check(nvrtc.resources(architecture))
+    resources = nvrtc.resources(architecture)
+    assert resources.keys() == names_in_sources()
+    for name, needs in resources.items():
+        assert 0 < needs.registers <= (TILE_REGISTERS if TILES.fullmatch(name) else REGISTERS), (name, needs)
+        assert needs.shared <= SHARED, (name, needs)
+        assert needs.spilled <= SPILLED.get(name, 16), (name, needs)
 
 
 @pytest.mark.slow

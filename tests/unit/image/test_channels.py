@@ -17,6 +17,7 @@ from sgicodec.metadata.gdal_items import named_bands, with_colours
 
 COLOURS = np.arange(24, dtype=np.uint8).reshape(2, 4, 3) * 10
 ALPHA = np.array([0, 255, 128, 7, 1, 254, 200, 30], np.uint8).reshape(2, 4, 1)
+BOTH = np.concatenate([COLOURS, ALPHA], axis=2)
 
 
 def bmp(pixels: np.ndarray, masks: tuple[int, ...] | None, size: int = 40) -> bytes:
@@ -45,10 +46,6 @@ def targa(
     return file + area + struct.pack("<II", len(file), 0) + b"TRUEVISION-XFILE.\0"
 
 
-def bgr(last: np.ndarray) -> np.ndarray:
-    return np.concatenate([COLOURS[..., ::-1], last], axis=2)
-
-
 @pytest.mark.parametrize("order", ["BGRA", "RGBA", "ARGB", "ABGR"])
 @pytest.mark.parametrize("has_alpha", [True, False])
 def test_a_bmp_has_its_bytes_where_its_masks_say(order: str, has_alpha: bool) -> None:
@@ -57,16 +54,16 @@ def test_a_bmp_has_its_bytes_where_its_masks_say(order: str, has_alpha: bool) ->
     picture = read(
         bmp(np.stack([planes[name] for name in order], axis=2), masks if has_alpha else (*masks[:3], 0), 124)
     )
-    expected = np.concatenate([COLOURS, ALPHA], axis=2) if has_alpha else COLOURS
+    expected = BOTH if has_alpha else COLOURS
     assert picture.channels == ("rgba" if has_alpha else "rgb")
     np.testing.assert_array_equal(picture.pixels, expected)
 
 
 @pytest.mark.parametrize(("extension", "channels"), [(None, "rgba"), (0, "rgb"), (1, "rgb"), (2, "rgba"), (3, "rgba")])
 def test_a_targa_has_alpha_unless_its_extension_area_denies_it(extension: int | None, channels: str) -> None:
-    picture = read(targa(bgr(ALPHA), 8, 32, extension=extension))
+    picture = read(targa(BOTH[..., [2, 1, 0, 3]], 8, 32, extension=extension))
     assert picture.channels == channels
-    np.testing.assert_array_equal(picture.pixels, np.concatenate([COLOURS, ALPHA], axis=2)[..., : len(channels)])
+    np.testing.assert_array_equal(picture.pixels, BOTH[..., : len(channels)])
 
 
 def tiff(bands: np.ndarray, extra: int | None) -> bytes:
@@ -83,21 +80,18 @@ def tiff(bands: np.ndarray, extra: int | None) -> bytes:
     return head + rows + bytes(4) + struct.pack(f"<{count}H", *[8] * count) + bands.tobytes()
 
 
-NEAR_INFRARED = np.concatenate([COLOURS, ALPHA], axis=2)
-
-
-@pytest.mark.parametrize(("extra", "channels"), [(None, "multi"), (0, "multi"), (2, "rgba")])
-def test_only_declared_alpha_of_a_tiff_is_alpha(extra: int | None, channels: str) -> None:
-    picture = read(tiff(NEAR_INFRARED, extra))
+@pytest.mark.parametrize(
+    ("extra", "alpha", "channels"),
+    [
+        *((None, "auto", "multi"), (0, "auto", "multi"), (2, "auto", "rgba")),
+        *((extra, "band", "multi") for extra in (None, 0, 1, 2)),
+    ],
+)
+def test_only_declared_alpha_of_a_tiff_is_alpha(extra: int | None, alpha: Any, channels: str) -> None:
+    """As a band it keeps stored samples."""
+    picture = read(tiff(BOTH, extra), alpha=alpha)
     assert picture.channels == channels
-    np.testing.assert_array_equal(picture.pixels, NEAR_INFRARED)
-
-
-@pytest.mark.parametrize("extra", [None, 0, 1, 2])
-def test_alpha_as_a_band_keeps_stored_samples(extra: int | None) -> None:
-    picture = read(tiff(NEAR_INFRARED, extra), alpha="band")
-    assert picture.channels == "multi"
-    np.testing.assert_array_equal(picture.pixels, NEAR_INFRARED)
+    np.testing.assert_array_equal(picture.pixels, BOTH)
 
 
 @pytest.mark.parametrize(("colour", "layout"), [("alpha", "rgba"), ("undefined", "multi")])
@@ -105,12 +99,11 @@ def test_gdal_has_the_word_on_the_last_band_of_a_tiff(colour: str, layout: str, 
     """Near infrared that is declared as alpha, which GDAL's metadata call undefined."""
     item = f'<Item name="COLORINTERP" sample="3" role="colorinterp">{colour.title()}</Item>'
     text = f"<GDALMetadata>{item}</GDALMetadata>"
-    pixels = np.concatenate([COLOURS, ALPHA], axis=2)
     options = {"photometric": "rgb", "extrasamples": ["unassalpha"], "metadata": None}
-    tifffile.imwrite(tmp_path / "a.tif", pixels, extratags=[(42112, "s", 0, text, True)], **options)
+    tifffile.imwrite(tmp_path / "a.tif", BOTH, extratags=[(42112, "s", 0, text, True)], **options)
     picture = read(tmp_path / "a.tif")
     assert picture.channels == layout
-    np.testing.assert_array_equal(picture.pixels, pixels)
+    np.testing.assert_array_equal(picture.pixels, BOTH)
 
 
 RGB = ["Red", "Green", "Blue"]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from pathlib import Path
 
 import numpy as np
@@ -51,7 +50,6 @@ def test_what_is_left_out_is_said(tmp_path: Path, extra: list[str], left_out: in
         notes = [f"{left_out} of its samples, beside four inks, are left out"] if left_out else []
         notes.append("not kept: inks (RGB instead)")
         assert list(source.notes) == notes
-    with warnings.catch_warnings(record=True) as caught:
-        warnings.simplefilter("always")
+    with pytest.warns() as caught:
         sgicodec.encode(path, steps=1)
     assert [str(warning.message) for warning in caught] == notes

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable
 from importlib.resources import files
+from typing import Any
 
 import numpy as np
 import pytest
@@ -131,67 +131,31 @@ def test_colours_that_say_nothing_are_refused() -> None:
         read_back(coloured((32, 33, 8)), (64, 64), 3)
 
 
-def changed(change: Callable[[TextureSymbols], None] = lambda _: None) -> TextureSymbols:
-    """A layer of 64×40 pixels with a leaf of 16 in the first root and of 32 in the second, after `change`."""
+CHANGES: dict[str, list[tuple[str, Any, int]]] = {
+    "no symbols": [("symbols", np.s_[0, 3, 2], 0)],
+    "no cells": [("symbols", np.s_[:], 0), ("log_size", np.s_[:], 0)],
+    "symbols beside": [("symbols", np.s_[0, 3, 20], 1)],
+    "too large": [("symbols", np.s_[0, 3, 2], -MOST - 1)],
+    "least number": [("symbols", np.s_[0, 3, 2:5], -(2**15))],
+    "contrast of nothing": [("contrast", np.s_[1, 0], 1)],
+    "contrast beyond": [("contrast", np.s_[0, 0], 16)],
+    "beyond the tile": [("log_size", np.s_[6:, :2], 4), ("symbols", np.s_[0, 50, 3], 1)],
+    "half a cell": [("log_size", np.s_[0, 1], 0)],
+    "unknown size": [("log_size", np.s_[7, 7], 2)],
+}
+"""Fields of a layer, places in them, and what stands there instead."""
+
+
+@pytest.mark.parametrize("changes", CHANGES.values(), ids=CHANGES)
+def test_layers_that_no_reader_would_find_are_not_written(changes: list[tuple[str, Any, int]]) -> None:
+    """Of 64×40 pixels, with a leaf of 16 in the first root and of 32 in the second."""
     log_size, symbols = np.zeros((8, 8), np.uint8), np.zeros((2, 64, 64), np.int16)
     log_size[:2, :2], log_size[:4, 4:] = 4, 5
     symbols[0, 3, 2], symbols[1, 0, 40] = 5, -1
     layer = TextureSymbols((64, 40), TextureSteps(300, (16,)), log_size, np.zeros((2, 2), np.int8), symbols)
-    change(layer)
-    return layer
-
-
-def no_symbols(layer: TextureSymbols) -> None:
-    layer.symbols[0, 3, 2] = 0
-
-
-def no_cells(layer: TextureSymbols) -> None:
-    layer.symbols[:], layer.log_size[:] = 0, 0
-
-
-def symbols_beside(layer: TextureSymbols) -> None:
-    layer.symbols[0, 3, 20] = 1
-
-
-def too_large(layer: TextureSymbols) -> None:
-    layer.symbols[0, 3, 2] = -MOST - 1
-
-
-def least_number(layer: TextureSymbols) -> None:
-    layer.symbols[0, 3, 2:5] = -(2**15)
-
-
-def contrast_of_nothing(layer: TextureSymbols) -> None:
-    layer.contrast[1, 0] = 1
-
-
-def contrast_beyond(layer: TextureSymbols) -> None:
-    layer.contrast[0, 0] = 16
-
-
-def beyond_the_tile(layer: TextureSymbols) -> None:
-    layer.log_size[6:, :2], layer.symbols[0, 50, 3] = 4, 1
-
-
-def half_a_cell(layer: TextureSymbols) -> None:
-    layer.log_size[0, 1] = 0
-
-
-def unknown_size(layer: TextureSymbols) -> None:
-    layer.log_size[7, 7] = 2
-
-
-@pytest.mark.parametrize(
-    "change",
-    [
-        *(no_symbols, no_cells, symbols_beside, too_large, least_number, contrast_of_nothing, contrast_beyond),
-        *(beyond_the_tile, half_a_cell, unknown_size),
-    ],
-)
-def test_layers_that_no_reader_would_find_are_not_written(change: Callable[[TextureSymbols], None]) -> None:
-    layer = changed()
     assert_same(read_back(payload_of(layer, layer.size, 2), layer.size, 2), layer)
-    layer = changed(change)
+    for field, place, value in changes:
+        getattr(layer, field)[place] = value
     with pytest.raises(ValueError, match=r"a layer has cells|contrasts must be|cells must fill|log_size must be"):
         payload_of(layer, layer.size, 2)
 
