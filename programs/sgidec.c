@@ -133,6 +133,17 @@ static void draw(sgi_stream *stream, sgi_view view, const picture_format *format
   free(rows);
 }
 
+/* Says where other samples than the stream's own are those of the lossy picture. */
+static void tell_loss(const decode_options *options, sgi_stream *stream, int other_sample, const char *name) {
+  const char *out = strcmp(options->out, "-") ? options->out : "stdout";
+  double max_error;
+  int exact_views;
+  stop_at(sgi_get_max_error(stream, &max_error), name);
+  stop_at(sgi_get_exact_views(stream, &exact_views), name);
+  if (other_sample && max_error >= 0 && !exact_views && !options->lossy)
+    complain("%s: samples are those of the lossy picture: its residual layer has the stream's depth alone", out);
+}
+
 static void decode(const decode_options *options, sgi_stream *stream) {
   const char *name = strcmp(options->in, "-") ? options->in : "stdin";
   sgi_info info = SGI_INFO_INIT;
@@ -157,6 +168,7 @@ static void decode(const decode_options *options, sgi_stream *stream) {
   draw(stream, view, format, state, (size_t)view.columns * info.channels * sample_bytes(view.sample), name);
   format->end(state);
   finish_output();
+  tell_loss(options, stream, view.sample != info.sample, name);
 }
 
 int main(int count, char **arguments) {

@@ -162,6 +162,13 @@ sgi_status sgi_get_max_error(sgi_stream *stream, double *max_error) {
   });
 }
 
+sgi_status sgi_get_exact_views(sgi_stream *stream, int *exact_views) {
+  return guarded([&] {
+    require(exact_views, "a null pointer for the exact views");
+    *exact_views = checked(stream).stream.has_exact_views();
+  });
+}
+
 sgi_status sgi_get_metadata(sgi_stream *stream, sgi_metadata kind, const void **bytes, size_t *size) {
   return guarded([&] {
     require(bytes && size, "a null pointer for the metadata");

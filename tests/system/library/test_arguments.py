@@ -92,6 +92,8 @@ def test_null_pointers_are_refused(library: Library) -> None:
         ("sgi_get_range", handle.stream, 0, ctypes.byref(number), None),
         ("sgi_get_max_error", none, ctypes.byref(number)),
         ("sgi_get_max_error", handle.stream, None),
+        ("sgi_get_exact_views", none, ctypes.byref(number)),
+        ("sgi_get_exact_views", handle.stream, None),
         ("sgi_probe", none, size, ctypes.byref(Info(ctypes.sizeof(Info)))),
         ("sgi_probe", data, size, None),
         ("sgi_get_metadata", none, 0, ctypes.byref(out), ctypes.byref(size)),
