@@ -24,8 +24,6 @@ _JPEG_SHARE = 1 / 3
 _JPEG_QUALITY, _EXACT_ERROR, _ERROR_DOUBLING = 98.0, 2.0, 10.0
 """Quality below a layer over what was a JPEG file, up to which error in levels of 255, and by how much less it is for
 each doubling of that (docs/notes/2026-11-residual-layer.md)."""
-
-
 _QUALITY_BELOW = 20.0
 """Of a picture of which a layer cannot show all views, where nothing was asked for: they matter little."""
 

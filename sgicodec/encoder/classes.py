@@ -43,7 +43,7 @@ def holds_classes(windows: Windows, plan: Plan) -> bool:
 
 
 def changed_bands(windows: Windows, plan: Plan) -> list[int]:
-    """Which bands without a meaning have few values, which change, from 1 on. Single ones do in 8 bits alone."""
+    """Which bands without a meaning have few values, which change, from 1 on."""
     if plan.header.channels != "multi":
         return []
     left = {band: _no_values(windows)[:, :1] for band in range(windows.shape.bands)}
@@ -55,7 +55,12 @@ def changed_bands(windows: Windows, plan: Plan) -> list[int]:
                     del left[band]
         if not left:
             break
-    return [band + 1 for band, values in left.items() if len(values) > 1 or values.dtype == np.uint8]
+    return [band + 1 for band, values in left.items() if not _is_kept(values, plan)]
+
+
+def _is_kept(values: NDArray[Any], plan: Plan) -> bool:
+    """Whether the only value of a band comes back."""
+    return len(values) == 1 and (values.dtype != np.uint8 or values[0, 0] == plan.header.blank)
 
 
 def _blocks(windows: Windows, plan: Plan) -> Iterator[NDArray[Any]]:
