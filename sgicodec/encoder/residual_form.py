@@ -17,7 +17,7 @@ from sgicodec.encoder.residual_grids import Floats, Grid, Integers, with_table
 from sgicodec.metadata.layouts import alpha_index
 from sgicodec.model.tile_grid import Rect
 
-__all__ = ["Repeats", "alpha_form", "block_rects", "coded_bits", "residual_form"]
+__all__ = ["DistinctPixels", "Repeats", "alpha_form", "block_rects", "coded_bits", "residual_form"]
 
 _BITS, _VIEWS, _PALETTE, _CELLS, _ALPHA_ALONE = 1, 2, 4, 8, 16
 """Flags of a layer."""
@@ -153,28 +153,40 @@ _PIXELS_OF_COLOUR = 500
 """Without as many, a palette takes more than it saves: 0.6 kB of a page of 384×384 pixels in 200 colours."""
 
 
-class _Palette:
+class DistinctPixels:
+    """Pixels that differ from each other, while there are no more than `most`; all that are no numbers are one."""
+
+    def __init__(self, most: int) -> None:
+        self._most = most
+        self.known: NDArray[Any] = np.zeros((0, 0))
+        """[n, C], of all that were seen if they are few."""
+
+    def see(self, pixels: NDArray[Any]) -> bool:
+        """More pixels [n, C]; whether they are few still."""
+        if len(self.known) <= self._most:
+            values = np.concatenate([self.known, pixels]) if self.known.size else pixels
+            if values.shape[1] == 1:
+                self.known = np.unique(values)[:, None]
+            else:
+                self.known = np.unique(
+                    np.nan_to_num(values, nan=np.inf) if values.dtype.kind == "f" else values, axis=0
+                )
+        return len(self.known) <= self._most
+
+
+class _Palette(DistinctPixels):
     """The colours of a picture of whole numbers, while they are few."""
 
     def __init__(self) -> None:
-        self._colours: NDArray[Any] | None = None
-
-    def see(self, pixels: NDArray[Any]) -> None:
-        """More pixels [n, C]."""
-        if self._colours is None or len(self._colours) <= _native.MAX_PALETTE:
-            known = [] if self._colours is None else [self._colours]
-            self._colours = np.unique(np.concatenate([*known, pixels]), axis=0)
+        super().__init__(_native.MAX_PALETTE)
 
     def is_small(self, pixels: int) -> bool:
         """Whether all colours are known, and few for so many pixels."""
-        count = _native.MAX_PALETTE + 1 if self._colours is None else len(self._colours)
-        return count <= min(_native.MAX_PALETTE, pixels // _PIXELS_OF_COLOUR)
+        return 0 < len(self.known) <= min(_native.MAX_PALETTE, pixels // _PIXELS_OF_COLOUR)
 
     def encode(self, grids: list[Grid]) -> bytes:
         """The number of colours, and their values, from the darkest on."""
-        colours = (
-            [] if self._colours is None else sorted(self._colours.tolist(), key=lambda colour: (sum(colour), colour))
-        )
+        colours = sorted(self.known.tolist(), key=lambda colour: (sum(colour), colour))
         values = [
             round((sample - grid.base) / grid.step)
             for colour in colours
