@@ -32,8 +32,9 @@ inline vf ranged(vf row, const Samples &s, int channel) {
 
 inline vi integers(vf row) { return __builtin_convertvector(rounded(row), vi); }
 
-// Of integers that are bytes: g++ takes them apart one by one where there are no instructions of AVX-512.
-inline void store_bytes(vi values, uint8_t *to) {
+// Without instructions of AVX-512, g++ would take vectors apart one by one.
+inline void convert(vf row, uint8_t *to) {
+  const vi values = integers(row);
 #if defined(SGI_X86) && LANES < 16
 #if LANES == 8
   const auto low = _mm256_castsi256_si128((__m256i)values), high = _mm256_extracti128_si256((__m256i)values, 1);
@@ -47,8 +48,6 @@ inline void store_bytes(vi values, uint8_t *to) {
 #endif
   __builtin_memcpy(to, &samples, LANES);
 }
-
-inline void convert(vf row, uint8_t *to) { store_bytes(integers(row), to); }
 
 inline void convert(vf row, uint16_t *to) {
   const Words samples = __builtin_convertvector(integers(row), Words);
