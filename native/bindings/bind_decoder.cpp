@@ -146,6 +146,7 @@ void bind_decoder(nb::module_ &m) {
       .def_prop_ro("max_error", &sgi::Stream::max_error, Released(), "-1 where nothing is said of all samples.")
       .def_prop_ro("graphics_error", &sgi::Stream::graphics_error, Released(),
                    "-1 where nothing is said of text alone.")
+      .def_prop_ro("exact_bands", &sgi::Stream::exact_bands, Released(), "Empty where all bands are alike.")
       .def_prop_ro("has_exact_views", &sgi::Stream::has_exact_views, Released())
       .def_prop_ro("has_exact_alpha", &sgi::Stream::has_exact_alpha, Released())
       .def_prop_ro("has_overview", &sgi::Stream::has_overview)

@@ -37,8 +37,8 @@ int32_t nearest(const ResidualGrid &grid, float sample) {
   return double(sample) - table[size_t(value - 1)] <= table[size_t(value)] - double(sample) ? value - 1 : value;
 }
 
-bool is_nodata(const Header &header, size_t channel, float sample) {
-  return header.masked == Masked::nodata && int(channel) != header.alpha() && double(sample) == header.nodata;
+bool is_nodata(const Header &header, int channel, float sample) {
+  return header.masked == Masked::nodata && channel != header.alpha() && double(sample) == header.nodata;
 }
 
 // Codes which samples of a grid occur.
@@ -89,7 +89,7 @@ GridBlock on_grids(const Header &header, const ResidualForm &form, const float *
   const size_t channels = form.grids.size(), row = size_t(width) * channels;
   GridBlock found{std::vector<int32_t>(count), std::vector<uint8_t>(count)};
   for (size_t i = 0, c = 0; i < count; ++i, c = c + 1 < channels ? c + 1 : 0) {
-    found.held[i] = !std::isfinite(drawn[i]) || is_nodata(header, c, drawn[i]);
+    found.held[i] = !std::isfinite(drawn[i]) || is_nodata(header, form.channels[c], drawn[i]);
     if (!found.held[i])
       found.values[i] = nearest(form.grids[c], drawn[i]);
     else if (i % row >= channels)
@@ -112,7 +112,7 @@ GridRest<Bits>::GridRest(const Header &header, const ResidualForm &form, Bits &b
   for (size_t c = 0; c < channels_.size(); ++c) {
     const ResidualGrid &grid = form.grids[c];
     const int32_t value = nearest(grid, float(header.nodata));
-    if (grid.max_error && is_nodata(header, c, sample_of(grid, value))) channels_[c].nodata = value;
+    if (grid.max_error && is_nodata(header, form.channels[c], sample_of(grid, value))) channels_[c].nodata = value;
   }
 }
 

@@ -27,11 +27,12 @@ bool code_table(Bits &bits, bool is_float, ResidualGrid &grid);
 
 // What a residual layer states of all its blocks.
 struct ResidualForm {
-  double max_error;  // of any sample
-  bool has_bits;     // whether floats come back bit by bit, not only their values on the grid
-  bool has_views;    // whether views at other scales and in other types are made from these samples
-  bool has_cells;    // whether some cells of the picture alone are coded
-  bool is_alpha;     // whether alpha alone is coded, for every view; all that follows is then of that channel
+  double max_error;           // of any sample
+  bool has_bits;              // whether floats come back bit by bit, not only their values on the grid
+  bool has_views;             // whether views at other scales and in other types are made from these samples
+  bool has_cells;             // whether some cells of the picture alone are coded
+  bool is_alpha;              // whether alpha alone is coded, for every view
+  std::vector<int> channels;  // those that are coded, rising; all that follows is of these
   std::vector<ResidualGrid> grids;
   std::vector<int32_t>
       palette;  // [colours, channels] values of all that a pixel may be; empty where that is not stated

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 #include <map>
+#include <numeric>
 #include <type_traits>
 
 #include "base/crc32.hpp"
@@ -17,7 +18,7 @@ namespace {
 
 constexpr size_t kCrcBytes = 4;
 constexpr int64_t kMaxTableBytes = 1 << 19;  // of a channel
-constexpr int64_t kHasBits = 1, kHasViews = 2, kHasPalette = 4, kHasCells = 8, kIsAlpha = 16;
+constexpr int64_t kHasBits = 1, kHasViews = 2, kHasPalette = 4, kHasCells = 8, kIsAlpha = 16, kHasBands = 32;
 
 [[noreturn]] void corrupt(const char *text) { throw Error(Fault::corrupt, std::string("residual layer: ") + text); }
 
@@ -37,6 +38,18 @@ bool is_sound(const ResidualGrid &grid, SampleType type) {
   if (!(grid.step > 0) || grid.max_error > grid.most) return false;
   if (type == SampleType::f32) return std::isfinite(float(grid.base)) && std::isfinite(float(last));
   return last <= largest_of(type);
+}
+
+// The channels that a layer says it has, of so many.
+std::vector<int> read_channels(Bytes start, size_t &at, int count) {
+  std::vector<int> found;
+  for (int channel = 0; channel < count; ++channel) {
+    const int64_t is_coded = decode_varint(start, at);
+    if (is_coded > 1) corrupt("it does not say which channels it has");
+    if (is_coded) found.push_back(channel);
+  }
+  if (found.empty() || int(found.size()) == count) corrupt("it says that it has all channels, or none");
+  return found;
 }
 
 ResidualGrid read_grid(Bytes start, size_t &at, SampleType type) {
@@ -155,18 +168,26 @@ int64_t longest_residual_table(const Header &header, bool has_tables) {
 }
 
 ResidualForm read_residual_form(const Header &header, Bytes start, size_t &at) {
-  ResidualForm form{read_real(start, at), false, false, false, false, {}, {}};
+  ResidualForm form{read_real(start, at), false, false, false, false, {}, {}, {}};
   if (!(form.max_error >= 0) || std::isinf(form.max_error)) corrupt("its greatest error is no number from 0 on");
   const int64_t flags = decode_varint(start, at);
   form.has_bits = flags & kHasBits, form.has_views = flags & kHasViews, form.has_cells = flags & kHasCells;
   form.is_alpha = flags == kIsAlpha;
+  const int64_t others = kHasViews | kHasPalette | (flags & kHasBands ? kHasBands : kHasCells);
   const bool has_all = header.masked != Masked::nodata && !header.has_exact;
-  if ((flags > (kHasBits | kHasViews | kHasPalette | kHasCells) && !form.is_alpha) ||
+  if (((flags & ~(kHasBits | others)) && !form.is_alpha) ||
       (form.is_alpha && (!has_all || header.alpha() < 0 || header.sample_type == SampleType::f32)) ||
+      ((flags & kHasBands) && header.channels != ChannelLayout::multi) ||
       (form.has_bits && header.sample_type != SampleType::f32) ||
       ((flags & (kHasPalette | kHasCells)) && !form.has_views) || (form.has_views && !has_all))
     corrupt("it has flags that do not go with the picture");
-  form.grids.resize(form.is_alpha ? 1 : size_t(header.spec.channels));
+  if (flags & kHasBands) {
+    form.channels = read_channels(start, at, header.spec.channels);
+  } else {
+    form.channels.resize(form.is_alpha ? 1 : size_t(header.spec.channels));
+    std::iota(form.channels.begin(), form.channels.end(), form.is_alpha ? header.alpha() : 0);
+  }
+  form.grids.resize(form.channels.size());
   for (ResidualGrid &grid : form.grids) grid = read_grid(start, at, header.sample_type);
   if (flags & kHasPalette) read_palette(start, at, form);
   return form;

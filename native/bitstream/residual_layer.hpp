@@ -35,8 +35,8 @@ ResidualTable read_residual_table(const Header &header, Bytes start, int64_t len
 // Reads what a layer states of all its blocks; `at` moves behind it. Throws Error (corrupt).
 ResidualForm read_residual_form(const Header &header, Bytes start, size_t &at);
 
-// A block: what all state, its size, and its samples [height, width, channels] as the rest of the stream draws them; of
-// alpha alone, zeros.
+// A block: what all state, its size, and its samples [height, width, channels], of the channels that are coded, as the
+// rest of the stream draws them; of alpha alone, zeros.
 struct ResidualBlock {
   const Header &header;
   const ResidualForm &form;

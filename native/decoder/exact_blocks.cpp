@@ -99,13 +99,16 @@ void ExactBlocks::decode(const std::vector<int64_t> &numbers, const Draw &draw) 
 }
 
 std::vector<float> ExactBlocks::drawn(const Place &place, const Draw &draw) const {
-  if (is_alpha()) return std::vector<float>(size_t(place.height * place.width));
-  const int64_t stride = place.width * chunks_.header().spec.channels;
-  std::vector<float> samples(size_t(place.height * stride));
+  const std::vector<int> &coded = channels();
+  std::vector<float> samples(size_t(place.height * place.width) * coded.size());
+  if (is_alpha()) return samples;
+  const int64_t count = chunks_.header().spec.channels, stride = place.width * count;
   with_type(chunks_.header().sample_type, [&](auto sample) {
-    std::vector<decltype(sample)> found(samples.size());
+    std::vector<decltype(sample)> found(size_t(place.height * stride));
     draw(place, {found.data(), place.width, place.height, stride});
-    std::copy(found.begin(), found.end(), samples.begin());
+    float *to = samples.data();
+    for (const auto *pixel = found.data(); to < samples.data() + samples.size(); pixel += count)
+      for (const int channel : coded) *to++ = float(pixel[channel]);
   });
   return samples;
 }
@@ -114,15 +117,17 @@ void ExactBlocks::copy(int64_t number, int64_t x, int64_t y, const PixelBlock &o
   const Place from = place(number);
   const int64_t left = std::max(x, from.x), right = std::min(x + out.columns, from.x + from.width);
   const int64_t top = std::max(y, from.y), bottom = std::min(y + out.rows, from.y + from.height);
-  const int64_t channels = chunks_.header().spec.channels, known = is_alpha() ? 1 : channels;
+  const std::vector<int> &coded = channels();
+  const int64_t count = chunks_.header().spec.channels, known = int64_t(coded.size());
   const float *samples = blocks_.at(number).found.samples.data();
   for (int64_t row = top; row < bottom; ++row) {
     const float *source = samples + ((row - from.y) * from.width + left - from.x) * known;
-    const int64_t target = (row - y) * out.stride + (left - x) * channels + channels - known;
+    const int64_t target = (row - y) * out.stride + (left - x) * count;
     with_type(type, [&](auto sample) {
       auto *first = static_cast<decltype(sample) *>(out.first) + target;
       for (int64_t i = 0; i < right - left; ++i)
-        for (int64_t c = 0; c < known; ++c) first[i * channels + c] = decltype(sample)(source[i * known + c]);
+        for (int64_t c = 0; c < known; ++c)
+          first[i * count + coded[size_t(c)]] = decltype(sample)(source[i * known + c]);
     });
   }
 }

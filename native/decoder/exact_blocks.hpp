@@ -33,6 +33,9 @@ class ExactBlocks {
   bool has_cells() const { return table_.form.has_cells; }
   // Whether alpha of every view is made of these samples, and nothing else.
   bool is_alpha() const { return table_.form.is_alpha; }
+  // The channels that come from the layer, from 0 on.
+  const std::vector<int> &channels() const { return table_.form.channels; }
+  bool has_all_channels() const { return int(channels().size()) == chunks_.header().spec.channels; }
   // Whether any sample of the block that holds a pixel comes from the layer.
   bool is_coded(int64_t x, int64_t y) const { return table_.blocks[size_t(number(x, y))].bytes > 0; }
   // Whether samples of each cell of the block that holds a pixel come from the layer: as in ResidualSamples, until the
@@ -40,8 +43,8 @@ class ExactBlocks {
   const std::vector<uint8_t> &cells(int64_t x, int64_t y, const Draw &draw);
   // The block that holds a pixel.
   Place around(int64_t x, int64_t y) const { return place(number(x, y)); }
-  // Fills samples of a type, the source's or floats, with the region whose first pixel is (x, y); alpha alone where the
-  // layer has no more. Throws Error (corrupt).
+  // Fills samples of a type, the source's or floats, with the region whose first pixel is (x, y), but for
+  // channels that the layer does not have. Throws Error (corrupt).
   void fill(int64_t x, int64_t y, const PixelBlock &out, SampleType type, const Draw &draw);
 
  private:

@@ -86,10 +86,10 @@ class CellView {
   std::vector<uint8_t> shown_;
 };
 
-// Copies alpha of a view of samples into rows that were drawn without it.
-void copy_alpha(const ExactView &exact, const MeanView &samples, int64_t top, const PixelBlock &out) {
-  const auto pixel = size_t(exact.format.channels * exact.format.sample_bytes());
-  const auto bytes = size_t(exact.format.sample_bytes()), at = pixel - bytes;
+// Copies channels of a view of samples into rows that were drawn without them.
+void copy_channels(const std::vector<int> &channels, const ExactView &exact, const MeanView &samples, int64_t top,
+                   const PixelBlock &out) {
+  const auto bytes = size_t(exact.format.sample_bytes()), pixel = size_t(exact.format.channels) * bytes;
   std::vector<uint8_t> shown(size_t(std::min(kRowsAtOnce, out.rows) * out.columns) * pixel);
   for (int64_t row = 0; row < out.rows; row += kRowsAtOnce) {
     const int64_t rows = std::min(kRowsAtOnce, out.rows - row);
@@ -98,7 +98,9 @@ void copy_alpha(const ExactView &exact, const MeanView &samples, int64_t top, co
     for (int64_t y = 0; y < rows; ++y) {
       auto *to = static_cast<uint8_t *>(out.first) + size_t((row + y) * out.stride) * bytes;
       const uint8_t *from = &shown[size_t(y * out.columns) * pixel];
-      for (size_t i = 0; i < size_t(out.columns); ++i) std::memcpy(to + i * pixel + at, from + i * pixel + at, bytes);
+      for (size_t i = 0; i < size_t(out.columns); ++i)
+        for (const int c : channels)
+          std::memcpy(to + i * pixel + size_t(c) * bytes, from + i * pixel + size_t(c) * bytes, bytes);
     }
   }
 }
@@ -109,8 +111,8 @@ void ExactView::fill(ExactBlocks &blocks, int64_t top, const PixelBlock &block) 
   const MeanView::Fill samples = [&](int64_t x, int64_t y, int64_t columns, int64_t rows, float *out) {
     blocks.fill(x, y, {out, columns, rows, columns * header.spec.channels}, SampleType::f32, draw);
   };
-  const MeanView mean(header, view, samples, threads, blocks.is_alpha());
-  if (blocks.is_alpha()) return copy_alpha(*this, mean, top, block);
+  const MeanView mean(header, view, samples, threads, blocks.channels(), blocks.is_alpha());
+  if (!blocks.has_all_channels()) return copy_channels(blocks.channels(), *this, mean, top, block);
   if (!blocks.has_cells()) return mean.draw(0, top, block, format, dither);
   const auto end = [](int64_t last, int64_t side) {
     return std::min(last, side - 1) / kResidualBlock * kResidualBlock;

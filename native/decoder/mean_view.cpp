@@ -23,8 +23,9 @@ MeanView::Cover MeanView::cover(double start, double scale, int64_t index, int64
   return {first, std::max(first, int64_t(std::ceil(high)) - 1), low, high};
 }
 
-MeanView::MeanView(const Header &header, const PictureView &view, const Fill &fill, int threads, bool is_alpha)
-    : header_(header), view_(view), fill_(fill), threads_(threads), is_alpha_(is_alpha) {
+MeanView::MeanView(const Header &header, const PictureView &view, const Fill &fill, int threads,
+                   const std::vector<int> &channels, bool is_alpha)
+    : header_(header), view_(view), fill_(fill), threads_(threads), channels_(channels), is_alpha_(is_alpha) {
   for (int64_t i = 0; i < view.columns; ++i) columns_.push_back(cover(view.x, view.sx, i, header.width));
 }
 
@@ -51,33 +52,32 @@ void MeanView::draw(int64_t left, int64_t top, const PixelBlock &block, const Sa
 }
 
 void MeanView::average(int64_t row, int64_t left, int64_t columns, const Source &source, float *values) const {
-  const int channels = header_.spec.channels, alpha = header_.alpha();
+  const int count = header_.spec.channels, alpha = header_.alpha();
   const Cover down = cover(view_.y, view_.sy, row, header_.height);
   // The sum of what weigh(line, x) gives for the pixels covered, `line` being the row's first.
   const auto sum = [&](const Cover &across, auto weigh) {
     double sum = 0;
     for (int64_t y = down.first; y <= down.last; ++y) {
-      const float *line = source.samples.data() + ((y - source.top) * source.width - source.left) * channels;
+      const float *line = source.samples.data() + ((y - source.top) * source.width - source.left) * count;
       double part = 0;
-      for (int64_t x = across.first; x <= across.last; ++x) part += weigh(line + x * channels, across.weight(x));
+      for (int64_t x = across.first; x <= across.last; ++x) part += weigh(line + x * count, across.weight(x));
       sum += down.weight(y) * part;
     }
     return sum;
   };
-  for (int64_t column = left; column < left + columns; ++column) {
+  for (int64_t column = left; column < left + columns; ++column, values += count) {
     const Cover &across = columns_[size_t(column)];
     const double area = (down.high - down.low) * (across.high - across.low);
     const double seen = alpha < 0 || is_alpha_
                             ? 0
                             : sum(across, [&](const float *pixel, double part) { return part * double(pixel[alpha]); });
-    for (int c = 0; c < channels; ++c, ++values) {
-      if (is_alpha_ && c != alpha) continue;
+    for (const int c : channels_) {
       const bool is_seen = seen > 0 && c != alpha;
       const double all = sum(across, [&](const float *pixel, double part) {
         return (is_seen ? part * double(pixel[alpha]) : part) * double(pixel[c]);
       });
       const double low = header_.low[size_t(c)], high = header_.high[size_t(c)];
-      *values = float((all / (is_seen ? seen : area) - low) / (high - low));
+      values[c] = float((all / (is_seen ? seen : area) - low) / (high - low));
     }
   }
 }

@@ -16,9 +16,10 @@ class MeanView {
   // Fills samples [rows, columns, C] with the region of the picture whose first pixel is (x, y).
   using Fill = std::function<void(int64_t x, int64_t y, int64_t columns, int64_t rows, float *samples)>;
 
-  // is_alpha: alpha alone is filled in and drawn, and other channels are anything; pixels that show less than one of
-  // the picture are means over as much, so that enlarged ones have no edges.
-  MeanView(const Header &header, const PictureView &view, const Fill &fill, int threads, bool is_alpha);
+  // channels: those that are filled in and drawn; others are anything. is_alpha: that is alpha alone; pixels that show
+  // less than one of the picture are means over as much, so that enlarged ones have no edges.
+  MeanView(const Header &header, const PictureView &view, const Fill &fill, int threads,
+           const std::vector<int> &channels, bool is_alpha);
 
   // Columns left ... left + block.columns - 1 of rows top ... top + block.rows - 1.
   void draw(int64_t left, int64_t top, const PixelBlock &block, const SampleFormat &format, bool dither) const;
@@ -46,6 +47,7 @@ class MeanView {
   const PictureView &view_;
   const Fill &fill_;
   const int threads_;
+  const std::vector<int> &channels_;
   const bool is_alpha_;
   std::vector<Cover> columns_;
 };

@@ -137,7 +137,8 @@ void Stream::draw_inside(const PictureView &view, int64_t top, const PixelBlock 
     const PictureView whole{double(at.x), double(at.y), 1, 1, at.width, at.height};
     draw_view(header(), parts_->tiles, whole, 0, out, plain);
   };
-  if (is_alpha || (!is_whole && blocks->has_cells())) draw_view(header(), parts_->tiles, view, top, block, drawing);
+  if (!blocks->has_all_channels() || (!is_whole && blocks->has_cells()))
+    draw_view(header(), parts_->tiles, view, top, block, drawing);
   if (is_whole) return blocks->fill(int64_t(view.x), int64_t(view.y) + top, block, header().sample_type, draw);
   ExactView{header(), view, format, draw, drawing.dither, drawing.threads}.fill(*blocks, top, block);
 }
@@ -169,7 +170,13 @@ ExactBlocks *Stream::exact_blocks() {
 double Stream::max_error() {
   const Lock lock(parts_->turn);
   const ExactBlocks *blocks = exact_blocks();
-  return blocks && !blocks->has_cells() && !blocks->is_alpha() ? blocks->max_error() : -1;
+  return blocks && !blocks->has_cells() && blocks->has_all_channels() ? blocks->max_error() : -1;
+}
+
+std::vector<int> Stream::exact_bands() {
+  const Lock lock(parts_->turn);
+  const ExactBlocks *blocks = exact_blocks();
+  return blocks && !blocks->is_alpha() && !blocks->has_all_channels() ? blocks->channels() : std::vector<int>{};
 }
 
 void Stream::check_residual() {

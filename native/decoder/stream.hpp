@@ -63,6 +63,8 @@ class Stream {
   bool has_exact_alpha();
   // The same of samples of text and line art, where the layer is of their cells alone; else -1.
   double graphics_error();
+  // Channels that the residual layer has, where it does not have all, from 0 on.
+  std::vector<int> exact_bands();
   bool has_overview() const;
   Stream &overview();                                  // throws Error (usage) where there is none
   const std::vector<uint8_t> &overview_bytes() const;  // of the one that was asked for, else empty

@@ -98,7 +98,8 @@ class DecodeJob:
             dtype, kind = _DTYPES[self.output.bits], self.output.pyramid_of(target)
             dtype = None if dtype == stream.header.sample_type else dtype
             lost = losses(stream.metadata, stream.nodata, extension, dtype, kind == "cog")
-            if dtype and stream.max_error is not None and not (stream.has_exact_views or self.lossy):
+            is_exact = stream.max_error is not None or stream.exact_bands
+            if dtype and is_exact and not (stream.has_exact_views or self.lossy):
                 lost.append("samples are those of the lossy picture: its residual layer has the stream's depth alone")
             self._load_writer(target, extension)
             with self.limits.held(), path_for(target, extension) as path:

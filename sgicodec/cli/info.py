@@ -89,6 +89,7 @@ def _facts(stream: Stream, survey: Survey | None) -> dict[str, Any]:
         "overview": overview_size(header.width, header.height) if stream.has_overview else None,
         "max_error": stream.max_error,
         "graphics_error": stream.graphics_error,
+        "exact_bands": list(stream.exact_bands),
         "exact_views": stream.has_exact_views,
         "exact_alpha": stream.has_exact_alpha,
         "metadata": metadata_bytes(stream.chunk_bytes),
@@ -155,6 +156,10 @@ def _lines(stream: Stream, facts: Mapping[str, Any]) -> dict[str, str]:
             unit = "" if facts["sample_type"] == "float32" else " levels"
             error = f"at most {facts[name]:g}{unit} off" if facts[name] else "without loss"
             lines["samples"] = of + error + ", in all views" * facts["exact_views"]
+    if facts["exact_bands"]:
+        bands = facts["exact_bands"]
+        lines["samples"] = f"band{'s' * (len(bands) > 1)} {', '.join(map(str, bands))} without loss"
+        lines["samples"] += ", in all views" * facts["exact_views"]
     if facts["exact_alpha"]:
         lines["samples"] = "alpha without loss, in all views"
     if facts["metadata"]:

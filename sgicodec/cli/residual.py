@@ -115,7 +115,8 @@ def strip(source: str, target: str, force: bool, quiet: bool) -> None:
 def check_below(stream: Stream) -> None:
     """Raises UsageError where the residual layer of a stream shows what nothing below it does."""
     if stream.has_exact_views:
-        what = "alpha is" if stream.has_exact_alpha else "text and line art are"
+        bands = f"bands {', '.join(map(str, stream.exact_bands))} are" if stream.exact_bands else ""
+        what = bands or ("alpha is" if stream.has_exact_alpha else "text and line art are")
         raise UsageError(f"its {what} in the residual layer alone")
 
 

@@ -165,7 +165,7 @@ class Stream(ArrayView):
     @property
     def max_error(self) -> float | None:
         """Levels by which no sample is off the source's at most: 0 without loss; None without residual layer, and with
-        one that shows text and line art alone.
+        one that shows some bands, or text and line art, alone.
         """
         found = self._open_native().max_error
         return None if found < 0 else found
@@ -175,6 +175,13 @@ class Stream(ArrayView):
         """Levels by which no sample of text and line art is off, where a residual layer shows these alone; or None."""
         found = self._open_native().graphics_error
         return None if found < 0 else found
+
+    @property
+    def exact_bands(self) -> tuple[int, ...]:
+        """Bands, from 1 on, whose samples a residual layer shows, where it shows these alone, in the picture's own
+        pixels and type.
+        """
+        return tuple(band + 1 for band in self._open_native().exact_bands)
 
     @property
     def has_exact_alpha(self) -> bool:

@@ -1,4 +1,4 @@
-"""Maps of classes, labels and masks: pictures of few values, which are names and no amounts: none may change."""
+"""Maps of classes, labels and masks, and bands of them: few values, which are names and no amounts: none may change."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from sgicodec.encoder.input.windows import Windows
 from sgicodec.encoder.plan import Plan
 from sgicodec.encoder.residual_form import DistinctPixels, Repeats, block_rects
 
-__all__ = ["changed_bands", "holds_classes"]
+__all__ = ["bands_of_classes"]
 
 _MAX_VALUES, _MAX_SCATTERED = 64, 16
 """Where most pixels are as the one to their left, and where not."""
@@ -24,8 +24,24 @@ _LOOK_ROWS = 8
 """Of a block, which tell a photograph."""
 
 
-def holds_classes(windows: Windows, plan: Plan) -> bool:
-    """Whether a picture has so few values, of all channels together, and a layer can keep them."""
+def bands_of_classes(windows: Windows, plan: Plan) -> tuple[int, ...]:
+    """Which channels hold classes, from 0 on: all where they have few values together, and a layer can keep them; else
+    bands without a meaning that have few by themselves, and may change.
+    """
+    if _holds_classes(windows, plan):
+        return tuple(range(windows.shape.bands))
+    if plan.header.channels != "multi":
+        return ()
+    left = {band: (DistinctPixels(_MAX_VALUES), Repeats()) for band in range(windows.shape.bands)}
+    for pixels in _blocks(windows, plan):
+        bands = ((band, pixels[..., band, None]) for band in left)
+        left = {band: left[band] for band, seen in bands if _are_few(left[band][0], seen, left[band][1].see(seen))}
+        if not left:
+            break
+    return tuple(band for band, (values, repeats) in left.items() if _may_change(values.known, repeats, plan))
+
+
+def _holds_classes(windows: Windows, plan: Plan) -> bool:
     if windows.shape.rounding:
         return False
     values, repeats = DistinctPixels(_MAX_VALUES), Repeats()
@@ -40,21 +56,11 @@ def holds_classes(windows: Windows, plan: Plan) -> bool:
     return len(values.known) <= _MAX_SCATTERED and is_near
 
 
-def changed_bands(windows: Windows, plan: Plan) -> list[int]:
-    """Which bands without a meaning have few values, which change, from 1 on."""
-    if plan.header.channels != "multi":
-        return []
-    left = {band: DistinctPixels(_MAX_SCATTERED) for band in range(windows.shape.bands)}
-    for pixels in _blocks(windows, plan):
-        left = {band: values for band, values in left.items() if _are_few(values, pixels[..., band, None], np.s_[:])}
-        if not left:
-            break
-    return [band + 1 for band, values in left.items() if not _is_kept(values.known, plan)]
-
-
-def _is_kept(values: NDArray[Any], plan: Plan) -> bool:
-    """Whether the only value of a band comes back."""
-    return len(values) == 1 and (values.dtype != np.uint8 or values[0, 0] == plan.header.blank)
+def _may_change(values: NDArray[Any], repeats: Repeats, plan: Plan) -> bool:
+    """Whether the values of a band are classes. A single one comes back anyhow where it is the end of a range."""
+    if len(values) == 1:
+        return bool(values.dtype == np.uint8 and values[0, 0] != plan.header.blank)
+    return len(values) <= _MAX_SCATTERED or repeats.are_usual
 
 
 def _blocks(windows: Windows, plan: Plan) -> Iterator[NDArray[Any]]:

@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, BinaryIO
 
 from sgicodec.device import ALL_CORES, Device, check_device
 from sgicodec.encoder.below_layer import with_layer, without_loss
-from sgicodec.encoder.classes import changed_bands, holds_classes
-from sgicodec.encoder.division import Division, is_quality_asked
+from sgicodec.encoder.classes import bands_of_classes
+from sgicodec.encoder.division import Division, has_all_samples, is_quality_asked
 from sgicodec.encoder.graphics import with_graphics
 from sgicodec.encoder.input.windows import Windows, kept, windows_of, without_needless_alpha
 from sgicodec.encoder.plan import Plan, stream_plan
@@ -127,12 +127,14 @@ def _way_to_divide(windows: Windows, plan: Plan, listener: NullListener) -> Call
     settings = plan.settings
     if settings.max_error is not None:
         return with_layer
-    if holds_classes(windows, plan):
-        if is_quality_asked(replace(plan, settings=settings.without_target())):
-            return without_loss
+    if not (bands := bands_of_classes(windows, plan)):
+        return _divided
+    if is_quality_asked(replace(plan, settings=settings.without_target())) and not windows.shape.rounding:
+        return lambda windows, plan: _with_classes(windows, plan, bands)
+    if len(bands) == windows.shape.bands:
         listener.note("its few values, as of classes, change: use --lossless")
-    elif bands := changed_bands(windows, plan):
-        named = f"band{'s' * (len(bands) > 1)} {', '.join(map(str, bands))}"
+    else:
+        named = f"band{'s' * (len(bands) > 1)} {', '.join(str(band + 1) for band in bands)}"
         listener.note(f"few values, as of classes and masks, change in {named}: encode them apart, or use --lossless")
     return _divided
 
@@ -141,11 +143,21 @@ def _divided(windows: Windows, plan: Plan) -> Division:
     return with_graphics(windows, plan) if is_quality_asked(plan) else Division(windows, plan)
 
 
-def _undivided(windows: Windows, plan: Plan) -> Division:
-    asked = plan.settings.max_error
-    if asked is None and is_quality_asked(plan) and holds_classes(windows, plan):
+def _with_classes(windows: Windows, plan: Plan, bands: tuple[int, ...]) -> Division:
+    """A layer that shows these bands, in every view where it can, unless it takes no more to show all."""
+    if len(bands) == windows.shape.bands:
         return without_loss(windows, plan)
-    return Division(windows, plan, None if asked is None else Layer(windows, asked))
+    has_views, exact = has_all_samples(plan.header), _divided(windows, plan).exact
+    shown = replace(plan, exact_bands=bands) if has_views else plan
+    return Division(windows, shown, Layer(windows, 0, exact_views=has_views, bands=bands), exact)
+
+
+def _undivided(windows: Windows, plan: Plan) -> Division:
+    if plan.settings.max_error is not None:
+        return Division(windows, plan, Layer(windows, plan.settings.max_error))
+    is_free = is_quality_asked(plan) and not windows.shape.rounding
+    bands = bands_of_classes(windows, plan) if is_free else ()
+    return _with_classes(windows, plan, bands) if bands else Division(windows, plan)
 
 
 @dataclass(frozen=True)

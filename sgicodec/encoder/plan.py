@@ -80,6 +80,8 @@ class Plan:
     """λ of texture, where it is not that of the tiles."""
     exact_alpha: bool = False
     """Whether alpha is in a residual layer, so that tiles show colours alone."""
+    exact_bands: tuple[int, ...] = ()
+    """Bands, from 0 on, that are in a residual layer, so that tiles need not show them."""
 
     @property
     def stated_header(self) -> Header:

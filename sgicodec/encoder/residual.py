@@ -34,14 +34,16 @@ _CRC_BYTES = 4
 class Layer:
     """What a residual layer brings a stream to: the picture of `windows` but for `max_error` levels; floats by so much.
     Alpha of 8 and 16 bits is exact. exact_views: whether it shows every view. cells [rows, columns]: where it does, if
-    not everywhere. is_off: whether samples of `windows` are off by so much already. is_alpha: whether it shows alpha
-    alone, in every view. Raises PictureError where samples of the source have too many bits for that.
+    not everywhere. bands: those that it shows, from 0 on, none for all. is_off: whether samples of `windows` are off by
+    so much already. is_alpha: whether it shows alpha alone, in every view. Raises PictureError where samples of the
+    source have too many bits for that.
     """
 
     windows: Windows
     max_error: float
     exact_views: bool = False
     cells: Cells | None = None
+    bands: tuple[int, ...] = ()
     is_off: bool = False
     is_alpha: bool = False
 
@@ -64,9 +66,15 @@ class Layer:
         if self.is_alpha:
             return alpha_form(np.iinfo(header.sample_type).max)
         windows = (self._shown(rect) for rect in rects)
-        states = {"exact_views": self.exact_views, "has_cells": self.cells is not None}
-        off = self.max_error if self.is_off else self._rounding
-        return residual_form(header, windows, self.max_error, off=off, **states)
+        return residual_form(
+            header,
+            windows,
+            self.max_error,
+            exact_views=self.exact_views,
+            has_cells=self.cells is not None,
+            bands=self.bands,
+            off=self.max_error if self.is_off else self._rounding,
+        )
 
     def of(self, rect: Rect) -> Cells:
         """Which cells of a block it shows."""
@@ -75,17 +83,20 @@ class Layer:
     def samples(self, rect: Rect) -> NDArray[np.float32]:
         """Those [h, w, c] that it has of a block."""
         pixels = self.windows.read(*rect).pixels
-        return _samples(pixels[..., -1:] if self.is_alpha else pixels)
+        return _samples(pixels[..., -1:] if self.is_alpha else self._with_bands(pixels))
 
     def drawn(self, rect: Rect, stream: Stream) -> NDArray[np.float32]:
         """What these are without it."""
         if self.is_alpha:
             return np.zeros((*rect[:1:-1], 1), np.float32)
-        return _samples(stream.picture(rect).pixels)
+        return _samples(self._with_bands(stream.picture(rect).pixels))
+
+    def _with_bands(self, pixels: NDArray[Any]) -> NDArray[Any]:
+        return pixels[..., self.bands] if self.bands else pixels
 
     def _shown(self, rect: Rect) -> NDArray[Any]:
         """Pixels that it shows of a block: of cells, one below the other."""
-        pixels = self.windows.read(*rect).pixels
+        pixels = self._with_bands(self.windows.read(*rect).pixels)
         return pixels if self.cells is None else stacked_cells(pixels, self.cells[cells_in(rect)])
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import struct
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from dataclasses import replace
 from typing import Any
 
@@ -19,7 +19,7 @@ from sgicodec.model.tile_grid import Rect
 
 __all__ = ["DistinctPixels", "Repeats", "alpha_form", "block_rects", "coded_bits", "residual_form"]
 
-_BITS, _VIEWS, _PALETTE, _CELLS, _ALPHA_ALONE = 1, 2, 4, 8, 16
+_BITS, _VIEWS, _PALETTE, _CELLS, _ALPHA_ALONE, _BANDS = 1, 2, 4, 8, 16, 32
 """Flags of a layer."""
 
 
@@ -30,12 +30,13 @@ def residual_form(
     *,
     exact_views: bool = False,
     has_cells: bool = False,
+    bands: Collection[int] = (),
     off: float = 0,
 ) -> bytes:
     """What a residual layer states of all its blocks, by the samples [h, w, C] of all windows of its picture, which are
     off by so much already; the rest as in `Layer`. It has tables of samples where it takes fewer bits with them.
     """
-    survey = _Survey(header, exact_views)
+    survey = _Survey(header, exact_views, bands)
     for pixels in windows:
         survey.see(pixels)
     flags = exact_views * _VIEWS + has_cells * _CELLS
@@ -50,13 +51,17 @@ def coded_bits(samples: NDArray[np.float32], header: Header, form: bytes, cells:
 
 
 class _Survey:
-    """What windows of a picture tell of its samples; has_colours: whether its colours are of interest."""
+    """What windows of a picture tell of its samples; has_colours: whether its colours are of interest; bands: those
+    that windows have, none for all.
+    """
 
-    def __init__(self, header: Header, has_colours: bool) -> None:
+    def __init__(self, header: Header, has_colours: bool, bands: Collection[int]) -> None:
         self._header, self._is_float = header, header.sample_type == "float32"
+        self._bands = bands
         self._alpha, self._has_colours = alpha_index(header.channels), has_colours and not self._is_float
+        count = len(bands) or header.spec.channels
         self._channels: list[Floats | Integers] = [
-            Floats() if self._is_float else Integers(header.sample_type) for _ in range(header.spec.channels)
+            Floats() if self._is_float else Integers(header.sample_type) for _ in range(count)
         ]
         self._repeats, self._palette = Repeats(), _Palette()
         self._most, self._part = -1, np.zeros((0, 0, 0), np.float32)
@@ -91,7 +96,10 @@ class _Survey:
             for channel, grid, table in zip(self._channels, plain, tables, strict=True)
         ]
         has_palette = has_few and not any(grid.max_error for grid in grids)
-        head = struct.pack("<d", stated) + encode_varint(flags | has_bits * _BITS | has_palette * _PALETTE)
+        flags |= bool(self._bands) * _BANDS | has_bits * _BITS | has_palette * _PALETTE
+        head = struct.pack("<d", stated) + encode_varint(flags)
+        if self._bands:
+            head += bytes(band in self._bands for band in range(self._header.spec.channels))
         return head + b"".join(grid.encode() for grid in grids) + (self._palette.encode(grids) if has_palette else b"")
 
     def _even(self, grid: Grid) -> Grid:

@@ -9,11 +9,13 @@ import numpy as np
 import pytest
 
 from sgicodec import decode, encode
+from sgicodec.decoder.stream import open_stream
 
 RANDOM = np.random.default_rng(8)
 AREAS = (np.abs(np.add.outer(np.arange(70) - 30, RANDOM.integers(-3, 4, 90))) // 12).astype(np.uint8)  # 0 to 3
 SCATTERED = (RANDOM.random((70, 90)) < 0.1).astype(np.uint8)
 NUMBERS = np.kron(RANDOM.integers(0, 60000, (7, 9)), np.ones((10, 10), int))  # of areas, a different one each
+PHOTOGRAPH = RANDOM.integers(0, 256, (70, 90, 2), np.uint8)
 GRAYS = RANDOM.integers(0, 16, (70, 90), np.uint8)
 
 
@@ -45,10 +47,40 @@ def test_few_values_come_back(pixels: np.ndarray, channels: str, nodata: float |
     assert said == []
 
 
+@pytest.mark.parametrize("asked", [{}, {"quality": 5.0}, {"psnr": 30.0}, {"tile": 48, "overview": True}])
+@pytest.mark.parametrize(
+    ("pixels", "bands", "nodata"),
+    [
+        (np.dstack([PHOTOGRAPH, AREAS]), (3,), None),
+        (np.dstack([SCATTERED * 255, PHOTOGRAPH, np.full_like(AREAS, 77), AREAS]), (1, 4, 5), None),
+        (np.dstack([AREAS, PHOTOGRAPH]).astype(np.uint16) * 1000, (1,), 0),
+        (np.dstack([PHOTOGRAPH / 7, np.where(AREAS, AREAS, np.nan)]).astype(np.float32), (3,), np.nan),
+        (np.dstack([PHOTOGRAPH / 7, np.kron(RANDOM.random((7, 9)), np.ones((10, 10)))]).astype(np.float32), (3,), None),
+    ],
+)
+def test_bands_of_few_values_come_back(
+    pixels: np.ndarray, bands: tuple[int, ...], nodata: float | None, asked: dict[str, Any]
+) -> None:
+    found, said = coded(pixels, channels="multi", nodata=nodata, **asked)
+    for band in range(pixels.shape[2]):
+        assert np.array_equal(found[..., band], pixels[..., band], equal_nan=True) == (band + 1 in bands)
+    assert said == []
+
+
+def test_views_of_bands_are_means_of_their_samples() -> None:
+    pixels = np.dstack([PHOTOGRAPH, AREAS * 40])
+    data = encode(pixels, channels="multi", effort=1)
+    with open_stream(data) as stream:
+        assert (stream.exact_bands, stream.max_error, stream.has_exact_views) == ((3,), None, True)
+        half = stream.picture(size=(45, 35)).pixels[..., 2]
+        deep = stream.picture(dtype="uint16").pixels[..., 2]
+    np.testing.assert_allclose(half, (AREAS * 40.0).reshape(35, 2, 45, 2).mean(axis=(1, 3)), atol=0.51)
+    np.testing.assert_array_equal(deep, AREAS * np.uint16(40) * 257)
+
+
 def test_what_changes_is_said() -> None:
     assert coded(AREAS, lmbda=0.01)[1] == ["its few values, as of classes, change: use --lossless"]
-    photograph = RANDOM.integers(0, 256, (70, 90, 2), np.uint8)
-    assert coded(np.dstack([photograph, AREAS]), channels="multi")[1] == [
+    assert coded(np.dstack([PHOTOGRAPH, AREAS]), channels="multi", lmbda=0.01)[1] == [
         "few values, as of classes and masks, change in band 3: encode them apart, or use --lossless"
     ]
 

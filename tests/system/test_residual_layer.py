@@ -377,6 +377,26 @@ def test_alpha_alone_is_as_the_page_says() -> None:
     assert zlib.crc32(found.astype("<f4").tobytes()) == crc
 
 
+def test_bands_alone_are_as_the_page_says() -> None:
+    """As if there were no others."""
+    pixels = np.random.default_rng(4).integers(0, 4, (21, 51, 3)).astype(np.uint8)
+    pixels[:, 20:] = pixels[:1, 20:]
+    with open_stream(encode_picture(Picture(pixels, "multi", (0.0, 255.0)), QUICK).data) as stream:
+        header = stream.header
+    form = residual_form(header, [pixels[..., [0, 2]]], 0, exact_views=True, bands=(0, 2))
+    samples = np.ascontiguousarray(pixels[..., [0, 2]], np.float32)
+    drawn, cells = samples[::-1].copy(), np.ones(8, np.uint8)
+    bits, ones, crc = _native.code_residual(samples, drawn, encode_header(header), form, cells)
+    expected, code = coder_of(bits, ones)
+    assert form[8:12] == bytes([2 | 32, 1, 0, 1])
+    grids, at = grids_of(form, 2, is_whole=True, at=12)
+    assert at == len(form)
+    found = reference_residual.block(drawn, [0, 1], grids, False, [None, None], code)
+    assert next(expected, None) is None
+    np.testing.assert_array_equal(found, samples)
+    assert zlib.crc32(found.astype("<f4").tobytes()) == crc
+
+
 def coder_of(bits: NDArray[Any], ones: NDArray[Any]) -> tuple[Iterator[tuple[int, int]], Callable[[int], int]]:
     """What is still to come of these bits and probabilities, and what gives the next bit where it has the next one."""
     expected = iter(zip(bits.tolist(), ones.tolist(), strict=True))
@@ -398,8 +418,8 @@ def palette_of(form: bytes, at: int, channels: int) -> tuple[list[list[int]], in
     return [values[i : i + channels] for i in range(0, len(values), channels)], at
 
 
-def grids_of(form: bytes, channels: int, is_whole: bool) -> tuple[list[reference_residual.Grid], int]:
-    grids, at = [], 9
+def grids_of(form: bytes, channels: int, is_whole: bool, at: int = 9) -> tuple[list[reference_residual.Grid], int]:
+    grids = []
     for _ in range(channels):
         grid, at = reference_residual.grid_of(form, at, is_whole)
         grids.append(grid)

@@ -176,6 +176,7 @@ def tile_of(
         alpha = np.clip(unit[-1], 0, 1)
         unit[-1] = OPAQUE
         empty = None if empty is not None and empty.all() else empty  # a tile without a mask has a model
+    unit[list(plan.exact_bands)] = 0
     seen = luma(unit.transpose(1, 2, 0), peak=1.0)
     is_visual = settings.tuned_for == "visual"
     weights = masking_weights(seen, empty) if is_visual else None

@@ -114,6 +114,11 @@ def pictures() -> dict[str, tuple[Picture, EncodeSettings]]:
             replace(restored_psnr, quality=85, tile=100, overview=True),
         ),
         "gray16-any-separate": (Picture(grey[..., None], "gray", (0.0, 65535.0)), textured),
+        "multi8-classes": (beside_classes(small), replace(textured, quality=40)),
+        "multi16-tiles-classes": (
+            Picture(beside_classes(small).pixels.astype(np.uint16) * 200, "multi", (0.0, 51000.0), blank=0.0),
+            replace(textured, quality=40, tile=48, overview=True),
+        ),
         "one-pixel": (Picture(small[:1, :1], "rgb", (0.0, 255.0)), quick),
     }
 
@@ -123,6 +128,13 @@ def drawing() -> Picture:
     y, x = np.mgrid[:90, :130]
     pixels = np.stack([x // 9 * y // 7 % 2 * 90, (x + y) // 11 % 2 * 255, (x // 17 + y // 5) % 2 * 60], axis=2)
     return Picture(np.ascontiguousarray(pixels.astype(np.uint8)), "rgb", (0.0, 255.0))
+
+
+def beside_classes(photo: np.ndarray) -> Picture:
+    """Bands of a photograph, of which every second one is a map of classes, or has one value."""
+    y, x = np.mgrid[: photo.shape[0], : photo.shape[1]]
+    pixels = np.dstack([(x * x + 9 * y) // 700 % 5, photo[..., 0], (x + y) // 20 % 2 * 255, photo[..., 1], 0 * x + 77])
+    return Picture(np.ascontiguousarray(pixels.astype(np.uint8)), "multi", (0.0, 255.0))
 
 
 def cut_out(colours: np.ndarray, is_hard: bool = False) -> Picture:
