@@ -29,16 +29,16 @@ _QUALITY_BELOW = 20.0
 
 
 def without_loss(windows: Windows, plan: Plan) -> Division:
-    """All samples as they are, in every view where none is nodata."""
+    """All samples as they are, but for what 32 bits of them lack, in every view where none is nodata."""
     settings = replace(plan.settings, max_error=0.0)
     plan = replace(plan, settings=settings)
     if has_all_samples(plan.header):
         seen = without_unseen_colours(windows)
-        return Division(seen, above_nothing(plan), Layer(seen, 0, exact_views=True))
+        return Division(seen, above_nothing(plan), Layer(seen, windows.shape.rounding, exact_views=True, is_off=True))
     if settings.quality is None:
         lmbda = replace(settings, quality=_QUALITY_BELOW).fit_settings().lmbda
         plan = plan.at(lmbda, quality_index(lmbda))
-    return Division(windows, plan, Layer(windows, 0))
+    return Division(windows, plan, Layer(windows, windows.shape.rounding, is_off=True))
 
 
 def with_layer(windows: Windows, plan: Plan) -> Division:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from typing import Any
 
@@ -28,6 +29,8 @@ def bands_of_classes(windows: Windows, plan: Plan) -> tuple[int, ...]:
     """Which channels hold classes, from 0 on: all where they have few values together, and a layer can keep them; else
     bands without a meaning that have few by themselves, and may change.
     """
+    if math.isinf(windows.shape.rounding):
+        return ()
     if _holds_classes(windows, plan):
         return tuple(range(windows.shape.bands))
     if plan.header.channels != "multi":
@@ -42,8 +45,6 @@ def bands_of_classes(windows: Windows, plan: Plan) -> tuple[int, ...]:
 
 
 def _holds_classes(windows: Windows, plan: Plan) -> bool:
-    if windows.shape.rounding:
-        return False
     values, repeats = DistinctPixels(_MAX_VALUES), Repeats()
     for pixels in _blocks(windows, plan):
         if not _are_few(values, pixels, repeats.see(pixels)):

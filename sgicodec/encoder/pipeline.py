@@ -129,7 +129,7 @@ def _way_to_divide(windows: Windows, plan: Plan, listener: NullListener) -> Call
         return with_layer
     if not (bands := bands_of_classes(windows, plan)):
         return _divided
-    if is_quality_asked(replace(plan, settings=settings.without_target())) and not windows.shape.rounding:
+    if is_quality_asked(replace(plan, settings=settings.without_target())):
         return lambda windows, plan: _with_classes(windows, plan, bands)
     if len(bands) == windows.shape.bands:
         listener.note("its few values, as of classes, change: use --lossless")
@@ -149,14 +149,14 @@ def _with_classes(windows: Windows, plan: Plan, bands: tuple[int, ...]) -> Divis
         return without_loss(windows, plan)
     has_views, exact = has_all_samples(plan.header), _divided(windows, plan).exact
     shown = replace(plan, exact_bands=bands) if has_views else plan
-    return Division(windows, shown, Layer(windows, 0, exact_views=has_views, bands=bands), exact)
+    layer = Layer(windows, windows.shape.rounding, exact_views=has_views, bands=bands, is_off=True)
+    return Division(windows, shown, layer, exact)
 
 
 def _undivided(windows: Windows, plan: Plan) -> Division:
     if plan.settings.max_error is not None:
         return Division(windows, plan, Layer(windows, plan.settings.max_error))
-    is_free = is_quality_asked(plan) and not windows.shape.rounding
-    bands = bands_of_classes(windows, plan) if is_free else ()
+    bands = bands_of_classes(windows, plan) if is_quality_asked(plan) else ()
     return _with_classes(windows, plan, bands) if bands else Division(windows, plan)
 
 

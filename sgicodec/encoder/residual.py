@@ -49,7 +49,7 @@ class Layer:
 
     def __post_init__(self) -> None:
         off = self._rounding
-        if off >= self.max_error and off > 0 and not self.is_alpha:
+        if off >= self.max_error and off > 0 and not (self.is_alpha or self.is_off):
             raise PictureError(
                 f"its samples do not fit 32-bit floats, which are off by up to {off:g}: --lossless is not possible, "
                 f"--max-error is above that"

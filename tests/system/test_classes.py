@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import warnings
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+import tifffile
 
 from sgicodec import decode, encode
 from sgicodec.decoder.stream import open_stream
@@ -65,6 +67,17 @@ def test_bands_of_few_values_come_back(
     for band in range(pixels.shape[2]):
         assert np.array_equal(found[..., band], pixels[..., band], equal_nan=True) == (band + 1 in bands)
     assert said == []
+
+
+@pytest.mark.parametrize("beside", [(), (PHOTOGRAPH / 7,)])
+def test_of_64_bits_32_come_back(beside: tuple[np.ndarray, ...], tmp_path: Path) -> None:
+    pixels = np.dstack([*beside, AREAS / 10 + 1000])
+    tifffile.imwrite(
+        tmp_path / "a.tif", pixels.squeeze(), photometric="minisblack", planarconfig="contig" if beside else None
+    )
+    with pytest.warns(UserWarning, match="float64 become 32-bit floats"):
+        data = encode(tmp_path / "a.tif", effort=1)
+    np.testing.assert_array_equal(decode(data).reshape(pixels.shape)[..., -1], pixels[..., -1].astype(np.float32))
 
 
 def test_views_of_bands_are_means_of_their_samples() -> None:
