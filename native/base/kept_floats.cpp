@@ -4,6 +4,8 @@
 #include <mutex>
 #include <vector>
 
+#include "base/per_process.hpp"
+
 namespace sgi {
 namespace {
 
@@ -25,15 +27,9 @@ struct Store {
   int64_t floats = 0;
 };
 
-// It never ends: owners may be others' static objects.
-Store &store() {
-  static Store &all = *new Store;
-  return all;
-}
-
 // The smallest block of at least so many floats, a new one if there is none that fits.
 Block taken(int64_t size) {
-  Store &from = store();
+  Store &from = per_process<Store>();
   {
     const std::lock_guard<std::mutex> lock(from.mutex);
     auto best = from.blocks.end();
@@ -66,7 +62,7 @@ float *KeptFloats::room(int64_t size) {
 void KeptFloats::give_back() {
   if (!held_) return;
   Block block{std::move(held_), std::exchange(size_, 0)};
-  Store &to = store();
+  Store &to = per_process<Store>();
   const std::lock_guard<std::mutex> lock(to.mutex);
   if (to.floats + block.size > kMaxKept || to.blocks.size() == kMaxBlocks) return;
   to.floats += block.size;

@@ -11,6 +11,8 @@
 #include <utility>
 #include <vector>
 
+#include "base/per_process.hpp"
+
 #ifdef SGI_X86
 #include <immintrin.h>
 #endif
@@ -120,10 +122,7 @@ class Pool {
   int workers_ = 0;
 };
 
-Pool &pool() {
-  static Pool *instance = new Pool;  // never destroyed: detached workers may outlive static destructors
-  return *instance;
-}
+Pool &pool() { return per_process<Pool>(); }
 
 }  // namespace
 

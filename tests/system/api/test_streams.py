@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import io
+import os
 import pickle
 import struct
+import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
 import pytest
+from children import HANGS
 
 import sgicodec
 from sgicodec.errors import RegionError, UsageError
@@ -123,6 +126,26 @@ def test_several_threads_may_use_a_stream_at_once(
         sys.setswitchinterval(interval)
     for (x, y), part in zip(corners, parts, strict=True):
         np.testing.assert_array_equal(part, whole[y : y + 34, x : x + 40])
+
+
+FORKS = """
+import os, signal, sys
+import sgicodec
+def decoded(threads):
+    return sgicodec.imread(sys.argv[1], device=sgicodec.Device(threads=threads)).tobytes()
+whole = decoded(2)
+if os.fork() == 0:
+    signal.alarm(int(sys.argv[2]))
+    os._exit(any(decoded(threads) != whole for threads in range(3, 9)))
+sys.exit(os.waitstatus_to_exitcode(os.wait()[1]))
+"""
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="processes do not fork here")
+def test_a_forked_process_decodes_with_more_threads(data: bytes, tmp_path: Path) -> None:
+    """Threads that the first decode started are not there."""
+    (tmp_path / "a.sgi").write_bytes(data)
+    assert subprocess.run([sys.executable, "-c", FORKS, tmp_path / "a.sgi", str(HANGS)], check=False).returncode == 0
 
 
 def test_streams_are_pickled_by_path_or_bytes(
