@@ -74,8 +74,9 @@ def _held(beside: Path, path: Path) -> int:
         except BlockingIOError:
             raise OutputLockedError(f"{path} is being written by {_holder(beside)}; wait for it or end it") from None
         if _is_at(descriptor, beside):
-            os.truncate(descriptor, 0)
-            os.write(descriptor, f"process {os.getpid()} on {platform.node()}, since {time.ctime()}".encode())
+            with contextlib.suppress(OSError):  # a full disk holds an empty file, whose lock is as good
+                os.truncate(descriptor, 0)
+                os.write(descriptor, f"process {os.getpid()} on {platform.node()}, since {time.ctime()}".encode())
             return descriptor
         os.close(descriptor)
     raise OSError(f"{beside} comes and goes")

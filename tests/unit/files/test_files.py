@@ -134,6 +134,21 @@ def test_another_process_is_named(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == []
 
 
+def test_a_full_disk_has_locks(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """That are let go of, though nobody can be named in them."""
+    pytest.importorskip("fcntl")
+    out = tmp_path / "out.sgi"
+
+    def fail(*_: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(os, "write", fail)
+    for _ in range(2):
+        with locked(out), pytest.raises(OutputLockedError, match="by another encode"), locked(out):
+            pass
+        assert os.listdir(tmp_path) == []
+
+
 def test_links_share_a_lock(tmp_path: Path) -> None:
     pytest.importorskip("fcntl")
     (tmp_path / "link").symlink_to(tmp_path / "out.sgi")
