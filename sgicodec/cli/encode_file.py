@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
 
 from sgicodec.cli.encode_listener import EncodeListener
-from sgicodec.cli.paths import STANDARD, display, given, writing
+from sgicodec.cli.paths import STANDARD, display, given, is_written_directly, writing
 from sgicodec.cli.report import Report, print_report
 from sgicodec.cuda.choice import device_of
 from sgicodec.encoder.tiles.checkpoint import Checkpoint
@@ -105,7 +105,7 @@ def encode_file(origin: str, target: str, options: EncodeOptions, started: float
             missed, encoded = str(error), error.nearest
             missed += _hint(listener.plan, encoded.size)
         except KeyboardInterrupt:
-            if not checkpoint.tiles or target == STANDARD:
+            if not checkpoint.tiles or is_written_directly(target):
                 raise
             done = len({version.tile for version in checkpoint.tiles})
             text = f"{done} of {listener.tiles} tiles are in {display(target)}.part"
@@ -154,8 +154,8 @@ def _executor(origin: str, options: EncodeOptions, source: Source, stack: ExitSt
 
 
 def _part(target: str, stack: ExitStack) -> Path:
-    """Where finished tiles are kept: beside OUT, or for a moment where there is no OUT."""
-    if target != STANDARD:
+    """Where finished tiles are kept: beside OUT, or for a moment where that is no file."""
+    if not is_written_directly(target):
         return Path(os.path.realpath(target) + ".part")
     import tempfile
 

@@ -25,6 +25,7 @@ __all__ = [
     "display",
     "given",
     "is_stream",
+    "is_written_directly",
     "local_name",
     "name_of",
     "naming_stream",
@@ -88,6 +89,12 @@ def is_stream(path: str | Path) -> bool:
     from sgicodec.bitstream import recognition  # takes long to load
 
     return recognition.is_stream(path)
+
+
+def is_written_directly(target: str) -> bool:
+    """Whether OUT takes bytes as they come: stdout, a pipe or a device."""
+    is_kept = os.path.isfile(target) or os.path.isdir(target) or not os.path.exists(target)
+    return target == STANDARD or not is_kept
 
 
 def size_of(path: str | Path) -> int:

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import contextlib
-import os
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from sgicodec.cli.paths import STANDARD, display, output_file
+from sgicodec.cli.paths import display, is_written_directly, output_file
 from sgicodec.errors import PictureError
 from sgicodec.plugins.compression import DEFLATE, Compression
 from sgicodec.plugins.ome_name import is_ome_name, is_zarr_name
@@ -48,7 +47,7 @@ class Output:
 @contextlib.contextmanager
 def path_for(target: str, extension: str) -> Iterator[Path]:
     """Where a picture is written: OUT, or a file that goes to stdout, a pipe or a device after the block."""
-    if target != STANDARD and (os.path.isfile(target) or os.path.isdir(target) or not os.path.exists(target)):
+    if not is_written_directly(target):
         yield Path(target)
         return
     from shutil import copyfileobj  # takes long to load, as does the other

@@ -48,10 +48,10 @@ def locked(path: Path) -> Iterator[None]:
     Raises OutputLockedError if it is held, by this process or another one. What is no regular file has no lock, nor
     have file systems that know none.
     """
-    path = Path(os.path.realpath(path))
     if path.exists() and not path.is_file():
         yield
         return
+    path = Path(os.path.realpath(path))
     beside = path.with_name(f".{path.name}.lock")
     try:
         descriptor = _held(beside, path)

@@ -22,11 +22,11 @@ def whole_file(path: Path) -> Iterator[BinaryIO]:
     which the old file, if any, is still there and nothing else is. What a kill leaves is removed by the next such write
     in that folder.
     """
-    path = Path(os.path.realpath(path))
-    if path.exists() and not path.is_file():
+    if path.exists() and not path.is_file():  # before links are followed: to a pipe, as /dev/stdout, they have no name
         with path.open("wb") as device:
             yield device
         return
+    path = Path(os.path.realpath(path))
     with scratch_folder(path.parent) as folder:
         unfinished = folder / path.name
         with unfinished.open("wb") as file:

@@ -73,6 +73,19 @@ def test_pipes_are_written(stream: Path, tmp_path: Path, options: list[str]) -> 
     assert f", {file.stat().st_size:,} bytes, " in report.decode()
 
 
+@pytest.mark.skipif(not Path("/dev/stdout").exists(), reason="there is no /dev/stdout here")
+@pytest.mark.parametrize("arguments", [["encode"], ["encode", "--no-verify"], ["encode", "--tile", 32], ["strip"]])
+def test_pipes_without_a_name_are_written(picture: Path, stream: Path, arguments: list[object]) -> None:
+    """/dev/stdout of a pipe, and what a shell makes of >(cat), are links to what no path leads to."""
+    command, *options = arguments
+    source, more = (picture, ["--steps", 2, "-j", 1, *options]) if command == "encode" else (stream, [])
+    file = picture.with_name("file.sgi")
+    assert run(command, source, file, "--quiet", *more)[0] == 0
+    process = start(command, source, "/dev/stdout", "--quiet", *more)
+    data, errors = process.communicate(timeout=HANGS)
+    assert (process.returncode, data) == (0, file.read_bytes()), errors
+
+
 def test_a_cluster_cannot_read_a_pipe(shared: Path, tmp_path: Path) -> None:
     process = start("encode", "/dev/fd/0", tmp_path / "x.sgi", "--tile", 32, "--cluster", "local:1", "--quiet")
     _, errors = process.communicate((shared / "scene.png").read_bytes(), timeout=HANGS)
