@@ -6,6 +6,7 @@ One after the other they are one zlib stream, whose bytes depend neither on how 
 
 from __future__ import annotations
 
+import contextlib
 import struct
 import zlib
 from collections import deque
@@ -114,12 +115,14 @@ class PngOutput:
         while self._working:
             self._write_next()
         self._file.write(chunk(b"IEND", b""))
+        self._file.close()
         self.abandon()
 
     def abandon(self) -> None:
         """Let go of the file, finished or not."""
         self._pool.shutdown()
-        self._file.close()
+        with contextlib.suppress(OSError):  # of what a full disk did not take before
+            self._file.close()
 
 
 def _deflated(data: bytes, window: bytes, level: int, last: bool) -> bytes:

@@ -208,6 +208,15 @@ def test_files_that_cannot_grow(picture: Path, command: list[object], text: str)
     assert list(picture.parent.iterdir()) == [picture]
 
 
+@pytest.mark.parametrize("limit", [0, 64])
+def test_a_picture_that_cannot_grow(stream: Path, limit: int) -> None:
+    """It is the picture that cannot be written, not the stream that cannot be read; nothing of it is left."""
+    before, target = set(stream.parent.iterdir()), stream.with_name("x.png")
+    bound = partial(resource.setrlimit, resource.RLIMIT_FSIZE, (limit, limit))
+    assert run("decode", stream, target, "--scale", 8, before=bound) == (3, "", f"sgi: {target}: File too large\n")
+    assert set(stream.parent.iterdir()) == before
+
+
 @pytest.mark.parametrize("length", [300, 5000])
 def test_names_that_are_too_long(picture: Path, stream: Path, length: int) -> None:
     long = picture.parent / ("a" * length)
