@@ -85,9 +85,7 @@ class Folder:
             for path in sorted(folder.iterdir()):
                 if len(folders) + len(streams) == MAX_LISTED:
                     return Listing(folders, streams, True)
-                if path.name.startswith(".") or not _printable(path.name):
-                    continue
-                if not path.resolve().is_relative_to(self.root):
+                if path.name.startswith(".") or not _printable(path.name) or not self._holds(path):
                     continue
                 if path.is_dir():
                     folders.append(path.name)
@@ -96,6 +94,13 @@ class Folder:
         except OSError:
             raise _absent(name) from None
         return Listing(folders, streams, False)
+
+    def _holds(self, path: Path) -> bool:
+        """Whether it lies inside, its links followed; links in a circle lie nowhere."""
+        try:
+            return path.resolve().is_relative_to(self.root)
+        except (OSError, RuntimeError):
+            return False
 
     def _inside(self, name: str) -> Path:
         """The file or folder, without links. Raises Refusal for one that is outside or is not there."""
@@ -149,12 +154,12 @@ def _is_stream(path: Path) -> bool:
 
 
 def _printable(name: str) -> bool:
-    """Whether a name can stand in a URL: bytes that are no UTF-8 cannot."""
+    """Whether a name can stand in a URL: bytes that are no UTF-8 cannot, nor line breaks, which no route has."""
     try:
         name.encode()
     except UnicodeEncodeError:
         return False
-    return True
+    return "\n" not in name
 
 
 def _absent(name: str) -> Refusal:

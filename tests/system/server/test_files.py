@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import io
 import re
+import shutil
 from html import unescape
 from pathlib import Path
 
 import pytest
-from http_server import Client
+from http_server import Client, running
 from PIL import Image
 
 import sgicodec
 from sgicodec.bitstream.container import SIGNATURE
+from sgicodec.server.app import Settings, application
 from sgicodec.server.catalog import Folder, ListedStream, Listing
 from sgicodec.server.listing_page import listing_page
 
@@ -154,6 +156,17 @@ def test_a_listing_has_sizes_and_thumbnails(get: Client, folder: Path) -> None:
 def test_a_listing_names_a_stream_that_was_cut(folder: Path, tmp_path: Path) -> None:
     (tmp_path / "cut.sgi").write_bytes((folder / "wide.sgi").read_bytes()[:30])
     assert Folder(tmp_path).listing("") == Listing([], [ListedStream("cut.sgi", 30, None, False)], False)
+
+
+def test_a_listing_leaves_out_what_leads_nowhere(folder: Path, tmp_path: Path) -> None:
+    """A link in a circle keeps nobody from seeing the rest; no route leads to a name with a line break."""
+    (tmp_path / "circle.sgi").symlink_to("circle.sgi")
+    for name in ("a.sgi", "line\nbreak.sgi"):
+        shutil.copy(folder / "wide.sgi", tmp_path / name)
+    with running(application(Folder(tmp_path), Settings())) as get:
+        answer = get("/files/")
+        assert (answer.status, list(rows(answer.text))) == (200, ["a.sgi"])
+        assert get("/files/circle.sgi").status == get("/files/line%0Abreak.sgi").status == 404
 
 
 def test_a_thumbnail_that_takes_long_is_left_out() -> None:
