@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cstring>
+#include <string>
 #include <utility>
 
+#include "base/error.hpp"
 #include "bindings/held.hpp"
 
 namespace nb = nanobind;
@@ -41,7 +43,10 @@ class FileSource : public ByteSource {
     if (size_) (*file_).attr("seek")(start_ + offset);
     size_t found = 0;
     while (found < count) {  // a pipe gives what it has
-      const auto more = nb::cast<nb::bytes>((*file_).attr("read")(count - found));
+      const nb::object read = (*file_).attr("read")(count - found);
+      if (!nb::isinstance<nb::bytes>(read))
+        throw Error(Fault::usage, std::string("reading it gave ") + Py_TYPE(read.ptr())->tp_name + "; give a binary file");
+      const auto more = nb::borrow<nb::bytes>(read);
       if (!more.size()) break;
       const size_t taken = std::min(more.size(), count - found);
       std::memcpy(out + found, more.data(), taken);

@@ -58,6 +58,7 @@ ARGUMENTS: dict[str, Callable[[bytes, np.ndarray], Any]] = {
     "missing file": lambda data, _: sgicodec.open("missing.sgi"),
     "a folder": lambda data, _: sgicodec.open("."),
     "a path with a null": lambda data, _: sgicodec.open("a\0b"),
+    "a file of text": lambda *_: sgicodec.open(io.StringIO("text")),
     "device": lambda data, _: sgicodec.open(data, device=3),
     "threads": lambda data, _: sgicodec.Device(threads="2"),
     "instruction set": lambda data, _: sgicodec.Device(isa="mmx"),
