@@ -132,12 +132,11 @@ def check_output(
 
     path, name = Path(target), display(target)
     try:
-        path.stat()
-    except (FileNotFoundError, NotADirectoryError):
-        pass
-    except OSError as error:  # a name that is too long, a folder that may not be searched
+        with contextlib.suppress(FileNotFoundError, NotADirectoryError):
+            path.stat()
+        folder = Path(os.path.realpath(path)).parent
+    except OSError as error:  # a name that is too long, a folder that may not be searched, a working folder that is gone
         raise UsageError(f"{name}: {error.strerror or error}") from error
-    folder = Path(os.path.realpath(path)).parent
     is_zarr = is_zarr_name(target) and path.is_dir()
     if path.is_dir() and not is_zarr:
         raise UsageError(f"{name} is a folder; name a file in it, or give --output-dir")

@@ -232,6 +232,17 @@ def test_names_that_are_too_long(picture: Path, stream: Path, length: int) -> No
         assert line.endswith(": File name too long\n")
 
 
+@pytest.mark.parametrize("command", ["encode", "decode"])
+def test_a_working_folder_that_is_gone(command: str, picture: Path, stream: Path, tmp_path: Path) -> None:
+    def leave() -> None:
+        os.mkdir(tmp_path / "gone")
+        os.chdir(tmp_path / "gone")
+        os.rmdir(tmp_path / "gone")
+
+    source, name = (picture, "x.sgi") if command == "encode" else (stream, "x.png")
+    assert run(command, source, name, before=leave) == (2, "", f"sgi: {name}: No such file or directory\n")
+
+
 @pytest.mark.skipif(sys.platform != "linux", reason="address space is limited on Linux alone")
 @pytest.mark.parametrize("mebibytes", [64, 96, 112, 144, 180, 210])
 def test_little_address_space(picture: Path, stream: Path, mebibytes: int) -> None:
