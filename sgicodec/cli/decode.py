@@ -12,12 +12,12 @@ from sgicodec.cli.decode_file import DecodeJob
 from sgicodec.cli.limits import DecodeLimits
 from sgicodec.cli.options import (
     BYTES,
+    FILE,
     REGION,
     SCALE,
     SIZE,
     Sized,
     batch_options,
-    complete_files,
     force_option,
     json_option,
     output_option,
@@ -48,7 +48,7 @@ __all__ = ["decode"]
         ("sgi decode photo.sgi small.jpg --size 512x512", "the picture, fitted into a square"),
     ),
 )
-@click.argument("paths", metavar="IN... [OUT]", nargs=-1, required=True, shell_complete=complete_files)
+@click.argument("paths", metavar="IN... [OUT]", nargs=-1, required=True, type=FILE)
 @click.option("--region", type=REGION, metavar="X,Y,W,H", help="Only these pixels, cut where the picture ends.")
 @click.option("--scale", type=SCALE, metavar="F", help="Enlarge or shrink by this factor, such as 2 or 1/4.")
 @click.option("--size", type=SIZE, metavar="WxH", help="Scale to fit into this size; 512x, x512; 512x512! is exact.")

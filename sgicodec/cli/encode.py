@@ -13,12 +13,12 @@ from sgicodec.cli.command import HelpfulCommand
 from sgicodec.cli.options import (
     BYTES,
     EFFORT,
+    FILE,
     QUALITY,
     SAMPLE_RANGE,
     VERBOSE,
     alpha_option,
     batch_options,
-    complete_files,
     device_option,
     force_option,
     json_option,
@@ -72,7 +72,7 @@ _MAX_FILE = 1 << 20
         ("sgi encode *.png --output-dir streams -q 60", "many pictures"),
     ),
 )
-@click.argument("paths", metavar="IN... [OUT]", nargs=-1, required=True, shell_complete=complete_files)
+@click.argument("paths", metavar="IN... [OUT]", nargs=-1, required=True, type=FILE)
 @click.option(
     "-q",
     "--quality",

@@ -9,7 +9,7 @@ import click
 
 from sgicodec.cli.files import each_file
 from sgicodec.cli.json_output import print_json
-from sgicodec.cli.options import complete_files, json_option
+from sgicodec.cli.options import FILE, json_option
 from sgicodec.cli.parts import all_parts, chunk_parts, metadata_bytes, print_parts, whole_bytes
 from sgicodec.cli.paths import display, name_of, opened_stream
 from sgicodec.metadata.layouts import range_text
@@ -27,7 +27,7 @@ _WHOLE_TYPE = {"uint8": (0.0, 255.0), "uint16": (0.0, 65535.0)}
 
 
 @click.command(short_help="Show what streams hold.")
-@click.argument("sources", metavar="IN...", nargs=-1, required=True, shell_complete=complete_files)
+@click.argument("sources", metavar="IN...", nargs=-1, required=True, type=FILE)
 @click.option("--survey", is_flag=True, help="Decode all tiles: seeds, texture, symbols, bytes of each part.")
 @json_option
 def info(sources: tuple[str, ...], survey: bool, as_json: bool) -> None:

@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 __all__ = [
     "BYTES",
     "EFFORT",
+    "FILE",
+    "FOLDER",
     "QUALITY",
     "REGION",
     "SAMPLE_RANGE",
@@ -26,7 +28,6 @@ __all__ = [
     "Sized",
     "alpha_option",
     "batch_options",
-    "complete_files",
     "device_option",
     "force_option",
     "json_option",
@@ -43,13 +44,6 @@ VERBOSE = "sgicodec.verbose"
 """Key in a context's `meta`: whether -v was given."""
 
 _Command = TypeVar("_Command", bound=click.Command)
-
-
-def complete_files(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:
-    """Has the shell complete names of files."""
-    from click.shell_completion import CompletionItem
-
-    return [CompletionItem(incomplete, type="file")]
 
 
 class _Value(click.ParamType):  # type: ignore[type-arg]
@@ -78,15 +72,29 @@ def _pattern(name: str, pattern: str, example: str, read: Callable[[re.Match[str
 
 
 class _Name(click.ParamType):  # type: ignore[type-arg]
-    """The name of a file or folder to write: not empty, as an unset variable of the shell is."""
+    """The name of a file or a folder: not empty, as an unset variable of the shell is. kind: "file" or "dir", which the
+    shell completes.
+    """
 
     name = "name"
+
+    def __init__(self, kind: str) -> None:
+        self._kind = kind
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         """Called by click."""
         if value == "":
             self.fail("the name is empty", param, ctx)
         return value
+
+    def shell_complete(self, ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:
+        """Called by click."""
+        from click.shell_completion import CompletionItem
+
+        return [CompletionItem(incomplete, type=self._kind)]
+
+
+FILE, FOLDER = _Name("file"), _Name("dir")
 
 
 def _region(found: re.Match[str]) -> tuple[int, ...]:
@@ -177,7 +185,7 @@ page_option = click.option(
     "--page", type=int, metavar="N", help="Page of a file with several, from 1.  [default: the first]"
 )
 output_option = click.option(
-    "-o", "--output", type=_Name(), metavar="OUT", help="Write to this file, whatever it is called."
+    "-o", "--output", type=FILE, metavar="OUT", help="Write to this file, whatever it is called."
 )
 progress_option = click.option(
     "--progress",
@@ -202,7 +210,7 @@ def batch_options(command: Callable[..., None]) -> Callable[..., None]:
     for option in (
         click.option("--skip-existing", is_flag=True, help="Leave out what has its OUT already."),
         click.option("-r", "--recursive", is_flag=True, help="Take all files in folders IN and their subfolders."),
-        click.option("--output-dir", type=_Name(), metavar="DIR", help="Take all IN, and write into this folder."),
+        click.option("--output-dir", type=FOLDER, metavar="DIR", help="Take all IN, and write into this folder."),
     ):
         command = option(command)
     return command

@@ -135,7 +135,7 @@ def check_output(
         with contextlib.suppress(FileNotFoundError, NotADirectoryError):
             path.stat()
         folder = Path(os.path.realpath(path)).parent
-    except OSError as error:  # a name that is too long, a folder that may not be searched, a working folder that is gone
+    except OSError as error:  # a name that is too long, a folder that may not be searched or is gone
         raise UsageError(f"{name}: {error.strerror or error}") from error
     is_zarr = is_zarr_name(target) and path.is_dir()
     if path.is_dir() and not is_zarr:

@@ -10,8 +10,8 @@ import click
 
 from sgicodec.cli.command import HelpfulCommand
 from sgicodec.cli.options import (
+    FILE,
     alpha_option,
-    complete_files,
     force_option,
     page_option,
     quiet_option,
@@ -34,9 +34,9 @@ __all__ = ["check_below", "refine", "strip"]
     common=("max_error",),
     examples=(("sgi refine photo.png photo.sgi exact.sgi", "the stream of a photograph becomes lossless"),),
 )
-@click.argument("picture", metavar="PICTURE", shell_complete=complete_files)
-@click.argument("source", metavar="IN", shell_complete=complete_files)
-@click.argument("target", metavar="OUT", shell_complete=complete_files)
+@click.argument("picture", metavar="PICTURE", type=FILE)
+@click.argument("source", metavar="IN", type=FILE)
+@click.argument("target", metavar="OUT", type=FILE)
 @click.option(
     "--max-error", type=click.FloatRange(0), default=0.0, show_default=True, metavar="N", help="As in encode."
 )
@@ -95,8 +95,8 @@ def refine(
     short_help="Take the residual layer off.",
     examples=(("sgi strip exact.sgi small.sgi", "the lossy picture alone"),),
 )
-@click.argument("source", metavar="IN", shell_complete=complete_files)
-@click.argument("target", metavar="OUT", shell_complete=complete_files)
+@click.argument("source", metavar="IN", type=FILE)
+@click.argument("target", metavar="OUT", type=FILE)
 @force_option
 @quiet_option
 def strip(source: str, target: str, force: bool, quiet: bool) -> None:

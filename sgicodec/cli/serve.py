@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from sgicodec.cli.command import HelpfulCommand
-from sgicodec.cli.options import threads_option
+from sgicodec.cli.options import FOLDER, threads_option
 from sgicodec.device import Device
 from sgicodec.errors import require
 
@@ -24,7 +24,7 @@ __all__ = ["serve"]
         ("sgi serve pictures --url https://example.org", "behind a proxy"),
     ),
 )
-@click.argument("folder", metavar="DIR", type=click.Path(path_type=Path))
+@click.argument("folder", metavar="DIR", type=FOLDER)
 @click.option("--host", default="127.0.0.1", show_default=True, metavar="ADDRESS", help="Address to listen on.")
 @click.option("--port", default=8000, show_default=True, type=click.IntRange(0, 65535), help="0: any free one.")
 @click.option(
@@ -51,7 +51,7 @@ __all__ = ["serve"]
 @threads_option
 @click.option("--quiet", is_flag=True, help="Log failures only.")
 def serve(
-    folder: Path,
+    folder: str,
     host: str,
     port: int,
     url: str | None,
@@ -84,7 +84,7 @@ def serve(
         address=None if url is None else checked_address(url),
         viewer=viewer,
     )
-    app = application(Folder(folder), settings)
+    app = application(Folder(Path(folder)), settings)
     listener = listening(host, port)
     lines = [f"serving {folder} at {address_of(listener)}/ (Ctrl-C ends it)"]
     if viewer is not None and (note := missing_decoder(viewer)):

@@ -8,7 +8,7 @@ import click
 
 from sgicodec.cli.files import each_file
 from sgicodec.cli.json_output import print_json
-from sgicodec.cli.options import complete_files, json_option, threads_option
+from sgicodec.cli.options import FILE, json_option, threads_option
 from sgicodec.cli.paths import display, name_of, opened_stream
 from sgicodec.device import Device
 from sgicodec.errors import CorruptStreamError, StreamError
@@ -23,7 +23,7 @@ _BAND_SAMPLES = 1 << 24
 
 
 @click.command(short_help="Check streams.")
-@click.argument("sources", metavar="IN...", nargs=-1, required=True, shell_complete=complete_files)
+@click.argument("sources", metavar="IN...", nargs=-1, required=True, type=FILE)
 @threads_option
 @json_option
 @click.option("--quiet", is_flag=True, help="Print errors only.")

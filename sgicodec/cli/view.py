@@ -9,7 +9,7 @@ from urllib.parse import quote, urlencode
 import click
 
 from sgicodec.cli.command import HelpfulCommand
-from sgicodec.cli.options import complete_files, threads_option
+from sgicodec.cli.options import FILE, threads_option
 from sgicodec.cli.paths import STANDARD, display
 from sgicodec.device import Device
 from sgicodec.errors import StreamError, UsageError, require
@@ -30,8 +30,8 @@ _HOST = "127.0.0.1"
         ("sgi view https://example.org/city.sgi", "only the bytes that are looked at are fetched"),
     ),
 )
-@click.argument("source", metavar="FILE|URL", shell_complete=complete_files)
-@click.argument("other", metavar="[OTHER]", required=False, shell_complete=complete_files)
+@click.argument("source", metavar="FILE|URL", type=FILE)
+@click.argument("other", metavar="[OTHER]", required=False, type=FILE)
 @click.option("--no-browser", is_flag=True, help="Print the address, and open nothing.")
 @click.option("--port", default=0, type=click.IntRange(0, 65535), help="Port to listen on.  [default: any free one]")
 @threads_option

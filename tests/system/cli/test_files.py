@@ -159,3 +159,22 @@ def test_out_has_the_suffix_of_streams_or_is_named(picture: Path, name: str) -> 
     assert not target.exists()
     done("encode", picture, "-o", target, "--steps", 2)
     assert imread(target).shape == (32, 48, 3)
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        *(
+            ["info", ""],
+            ["verify", ""],
+            ["decode", ""],
+            ["encode", ""],
+            ["encode", "a.png", ""],
+            ["strip", "a.sgi", ""],
+        ),
+        *(["refine", "", "a.sgi", "b.sgi"], ["view", ""], ["serve", ""], ["encode", "a.png", "--output-dir", ""]),
+    ],
+)
+def test_an_empty_name_is_no_folder(arguments: list[str]) -> None:
+    """As a variable of the shell that is not set: not the working folder, which `sgi serve` would show to others."""
+    assert "the name is empty; see sgi" in refused(2, *arguments)
