@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import contextlib
 import math
+import os
 import signal
+import threading
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
@@ -184,11 +186,23 @@ def _without_interrupts() -> Iterator[None]:
         signal.pthread_sigmask(signal.SIG_SETMASK, old)
 
 
+def _end_with_parent() -> None:
+    """Ends this process when the one that started it is gone, whatever it is doing."""
+    from multiprocessing import parent_process
+
+    parent = parent_process()
+    assert parent is not None
+    parent.join()
+    os._exit(1)
+
+
 def _work(pipe: Connection, task: Callable[[int, Any], Any]) -> None:
     """The life of a worker. It leaves Ctrl-C to the process that started it, whose end ends it too."""
     from sgicodec._native import keep_freed_memory
 
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    with contextlib.suppress(RuntimeError):  # no thread to be had: it ends after its tile
+        threading.Thread(target=_end_with_parent, daemon=True).start()
     keep_freed_memory()
     with contextlib.suppress(EOFError, OSError):  # nobody is there any more: the pipe ends
         pipe.send((own_peak(), False, None))

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import os
 import signal
+import subprocess
+import sys
 from functools import partial
 from pathlib import Path
 
 import pytest
+from children import HANGS
 
 from sgicodec import _native
 from sgicodec.device import Device
@@ -69,6 +72,26 @@ def test_a_process_that_dies_is_survived(tmp_path: Path) -> None:
     task = partial(dies_once, tmp_path)
     assert dict(ProcessExecutor(2).run(task, range(5), lambda number: -number)) == {n: -n for n in range(5)}
     assert (tmp_path / "died").exists()
+
+
+BUSY = """
+import threading
+from sgicodec.executors.processes import ProcessExecutor
+def busy(number, job):
+    print("busy", flush=True)
+    threading.Event().wait()
+if __name__ == "__main__":
+    list(ProcessExecutor(1).run(busy, [0], lambda number: number))
+"""
+
+
+def test_workers_end_with_the_process_that_started_them(tmp_path: Path) -> None:
+    """However long their tiles take: the pipe ends when nobody holds it any more."""
+    (tmp_path / "main.py").write_text(BUSY)
+    with subprocess.Popen([sys.executable, tmp_path / "main.py"], stdout=subprocess.PIPE) as process:
+        assert process.stdout.readline() == b"busy\n"
+        process.kill()
+        assert process.communicate(timeout=HANGS)[0] == b""
 
 
 def test_a_tile_that_fails_twice_is_named() -> None:
