@@ -6,7 +6,7 @@ import struct
 from typing import Literal, NamedTuple
 
 from sgicodec.errors import PictureError
-from sgicodec.metadata import geo, ifd, jp2
+from sgicodec.metadata import geo, ifd, jp2, jxl
 from sgicodec.metadata.filebytes import Bytes
 from sgicodec.metadata.gdal_items import last_colour
 
@@ -25,21 +25,26 @@ _OPENIMAGEIO_AT = {2: 0, 1: 1, 0: 2, 3: 3}
 _CMYK = 12
 """The enumerated colour space of JPEG 2000, whose four channels OpenImageIO takes for red, green, blue and alpha."""
 
-_EXTENSION, _NO_ALPHA = 494, (b"\0", b"\1")
-"""Where the extension area of a Targa file says what alpha is, and what it says of none and of bytes to ignore."""
+_EXTENSION, _NO_ALPHA, _ASSOCIATED = 494, (b"\0", b"\1"), b"\4"
+"""Where the extension area of a Targa file says what alpha is, and what it says of none and of bytes to ignore, and of
+colours that are multiplied by it.
+"""
 
 
 class Channels(NamedTuple):
     """last: what the file says of its last channel, if that may be alpha. order: where red, green, blue and the last
     are among the channels that OpenImageIO gives, None for one after the other. second: whether OpenImageIO loses some,
     or takes them for others, so that another library has to read them; deep: whether it does so with samples that
-    are signed or have more than 16 bits.
+    are signed or have more than 16 bits. associated: whether colours are multiplied by alpha where OpenImageIO does not
+    know; frames_bits: of a sample of an animation of JPEG XL, 0 if not known.
     """
 
     last: Last = "alpha"
     order: tuple[int, ...] | None = None
     second: bool = False
     deep: bool = False
+    associated: bool = False
+    frames_bits: int | None = None
 
 
 AsIs = Channels()
@@ -52,9 +57,10 @@ def declared_channels(data: Bytes, kind: str) -> Channels:
             return _bmp(data)
         if kind == "targa":
             return _targa(data)
-        if kind == "jpeg2000":
-            found = jp2.components(data)
-            return Channels(second=jp2.colour_space(data) == _CMYK, deep=found is not None and found.is_deep)
+        if kind == "jpeg2000" or jp2.is_boxed(data):
+            return _jpeg2000(data)
+        if kind == "jpegxl":
+            return _jpegxl(data)
         if kind == "ico":
             return Channels(second=True)  # OpenImageIO's first icon is the smallest one, as most programs write them
         if kind == "tiff":
@@ -62,6 +68,21 @@ def declared_channels(data: Bytes, kind: str) -> Channels:
     except struct.error:
         pass  # OpenImageIO has the word on damage
     return AsIs
+
+
+def _jpeg2000(data: Bytes) -> Channels:
+    found, is_cmyk = jp2.components(data), jp2.colour_space(data) == _CMYK
+    if found is None:
+        return Channels(second=is_cmyk)
+    return Channels(second=is_cmyk, deep=found.is_deep, associated=found.is_associated)
+
+
+def _jpegxl(data: Bytes) -> Channels:
+    found = jxl.image_header(data)
+    if found is None:
+        return AsIs
+    frames_bits = found.bits if found.is_animation else None
+    return Channels(associated=found.is_associated, frames_bits=frames_bits)
 
 
 def _tiff(data: Bytes) -> Last:
@@ -102,12 +123,14 @@ def _bmp(data: Bytes) -> Channels:
 def _targa(data: Bytes) -> Channels:
     """A Targa has as many bits of alpha as its descriptor counts, unless its extension area says that there is none."""
     depth, descriptor = struct.unpack("<BB", data[16:18])
-    declared = bool(descriptor & 15) and not _denied(data)
+    stated = _stated_alpha(data)
+    declared = bool(descriptor & 15) and stated not in _NO_ALPHA
     second = depth == 16 and declared and data[2] & 3 == 2  # OpenImageIO drops the one bit of alpha of 5-5-5-1 colour
-    return Channels("alpha" if declared else "unused", second=second)
+    return Channels("alpha" if declared else "unused", second=second, associated=stated == _ASSOCIATED)
 
 
-def _denied(data: Bytes) -> bool:
+def _stated_alpha(data: Bytes) -> bytes:
+    """What a Targa's extension area says of alpha, if it has one."""
     footer = bytes(data[len(data) - 26 :])
     offset = struct.unpack("<I", footer[:4])[0] if footer[8:24] == b"TRUEVISION-XFILE" else 0
-    return offset > 0 and bytes(data[offset + _EXTENSION : offset + _EXTENSION + 1]) in _NO_ALPHA
+    return bytes(data[offset + _EXTENSION : offset + _EXTENSION + 1]) if offset > 0 else b""

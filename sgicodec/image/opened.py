@@ -236,7 +236,7 @@ def open_picture(path: Path, *, any_size: bool = False, alpha: Alpha = "auto", p
     profile, misfit = icc.fitting(stated, probe.channels)
     metadata = replace(found, icc=profile, geo=georeference)
     has_alpha = declared.last == "alpha" and alpha_index(header(spec, kind).channels) is not None
-    associated = has_alpha and alpha != "band" and is_associated(spec, kind)
+    associated = has_alpha and alpha != "band" and (declared.associated or is_associated(spec, kind))
     return Opened(path, image, spec, kind, probe, metadata, declared, associated, chosen, misfit=misfit)
 
 

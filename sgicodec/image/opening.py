@@ -22,7 +22,7 @@ from sgicodec.image.pillow_reader import PillowReader, is_for_pillow
 from sgicodec.image.planes import Planes
 from sgicodec.image.silence import without_libpng
 from sgicodec.image.tiff_reader import TiffReader, left_to_gdal
-from sgicodec.metadata import jp2, jxl, png, webp
+from sgicodec.metadata import jp2, png, webp
 from sgicodec.metadata.filebytes import FileBytes
 
 if TYPE_CHECKING:
@@ -113,8 +113,8 @@ def by_others(path: Path, data: FileBytes, image: Any, chosen: PageChoice, decla
         return image
     if declared.deep and (found := jp2.components(data)) is not None:
         return Jpeg2000Reader(path, found, oiio.ImageSpec(image.spec()))
-    if (bits := _bits_of_animation(data)) is not None:
-        return JpegXlReader(path, oiio.ImageSpec(image.spec()), bits)
+    if declared.frames_bits is not None:
+        return JpegXlReader(path, oiio.ImageSpec(image.spec()), declared.frames_bits)
     if chosen.directory is None:
         return image
     image.seek_subimage(chosen.subimage, 0)
@@ -126,14 +126,6 @@ def by_others(path: Path, data: FileBytes, image: Any, chosen: PageChoice, decla
         image = TiffReader(path, chosen.subimage, spec, reason)
     extra = extra_samples(data, spec)
     return image if extra is None else Inks(image, spec, extra)
-
-
-def _bits_of_animation(data: FileBytes) -> int | None:
-    """As of JPEG XL; damage is OpenImageIO's to find."""
-    try:
-        return jxl.bits_of_animation(data)
-    except struct.error:
-        return None
 
 
 def unread_floats(spec: ImageSpec) -> str | None:

@@ -25,17 +25,21 @@ _CODE_STREAM, _SIGNED = b"\xff\x4f\xff\x51", 128
 
 
 _MAX_SIDE = (1 << 31) - 1
+_OPACITY, _PREMULTIPLIED = 1, 2
+"""Kinds of channels that are no colours."""
 
 
 class Components(NamedTuple):
     """width, height: of the picture. depths: a byte for each component, 128 if it is signed, and its number of bits
-    less 1. has_alpha: whether the last one is declared as opacity.
+    less 1. has_alpha: whether the last one is declared as opacity; is_associated: whether one is by which colours are
+    multiplied.
     """
 
     width: int
     height: int
     depths: bytes
     has_alpha: bool
+    is_associated: bool = False
 
     @property
     def is_deep(self) -> bool:
@@ -92,19 +96,20 @@ def components(data: Bytes) -> Components | None:
         return None
     right, bottom, left, top, count = struct.unpack(">4I16xH", data[start + 8 : start + 42])
     depths = bytes(data[start + 42 : start + 42 + 3 * count][::3])
-    found = Components(right - left, bottom - top, depths, _has_alpha(data, count))
+    channels = _channels(data)
+    has_alpha = bool({(count - 1, _OPACITY), (count - 1, _PREMULTIPLIED)} & channels)
+    is_associated = any(kind == _PREMULTIPLIED for _, kind in channels)
+    found = Components(right - left, bottom - top, depths, has_alpha, is_associated)
     is_picture = len(depths) == count > 0 and 0 < found.width <= _MAX_SIDE and 0 < found.height <= _MAX_SIDE
     return found if is_picture else None
 
 
-def _has_alpha(data: Bytes, count: int) -> bool:
-    """Whether the box `cdef` calls the last of so many components opacity, of premultiplied colours or not."""
+def _channels(data: Bytes) -> set[tuple[int, int]]:
+    """The number and kind of each channel in the box `cdef`."""
     at = _box(data, b"cdef")
     (stated,) = struct.unpack(">H", data[at : at + 2]) if at is not None else (0,)
-    return any(
-        struct.unpack(">HH", data[place : place + 4]) in ((count - 1, 1), (count - 1, 2))
-        for place in range((at or 0) + 2, (at or 0) + 2 + 6 * stated, 6)
-    )
+    places = range((at or 0) + 2, (at or 0) + 2 + 6 * stated, 6)
+    return {struct.unpack(">HH", data[place : place + 4]) for place in places}
 
 
 def colour_space(data: Bytes) -> int | None:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 import tifffile
+from PIL import Image
 
 from sgicodec import open_source, read
 from sgicodec.image.source import ALPHA_IS_BAND
@@ -64,6 +65,25 @@ def test_a_targa_has_alpha_unless_its_extension_area_denies_it(extension: int | 
     picture = read(targa(BOTH[..., [2, 1, 0, 3]], 8, 32, extension=extension))
     assert picture.channels == channels
     np.testing.assert_array_equal(picture.pixels, BOTH[..., : len(channels)])
+
+
+ASSOCIATED = np.concatenate([np.minimum(COLOURS, ALPHA), ALPHA], axis=2)
+UNASSOCIATED = np.concatenate([np.rint(ASSOCIATED[..., :3] * 255.0 / np.maximum(ALPHA, 1)), ALPHA], axis=2)
+
+
+def test_colours_of_a_targa_may_be_multiplied_by_alpha() -> None:
+    picture = read(targa(ASSOCIATED[..., [2, 1, 0, 3]], 8, 32, extension=4))
+    np.testing.assert_array_equal(picture.pixels, UNASSOCIATED)
+
+
+def test_colours_of_a_jpeg_2000_may_be_multiplied_by_alpha(tmp_path: Path) -> None:
+    pixels = np.tile(ASSOCIATED, (16, 8, 1))
+    Image.fromarray(pixels).save(tmp_path / "a.jp2")
+    plain = (tmp_path / "a.jp2").read_bytes()
+    multiplied = plain.replace(struct.pack(">HHH", 3, 1, 0), struct.pack(">HHH", 3, 2, 0))
+    assert plain != multiplied
+    np.testing.assert_array_equal(read(plain).pixels, pixels)
+    np.testing.assert_array_equal(read(multiplied).pixels, np.tile(UNASSOCIATED, (16, 8, 1)))
 
 
 def tiff(bands: np.ndarray, extra: int | None) -> bytes:

@@ -52,6 +52,25 @@ def test_the_first_frame_of_an_animation(sample: str, bits: int | None, boxed: b
         open_source(data, page=2)
 
 
+ASSOCIATED = 45
+"""The bit of a header of 40×30 pixels of 16 bits with alpha that says whether colours are multiplied by it: behind 15
+bits of its size, 14 of samples and their number, 16 of what alpha is.
+"""
+
+
+def test_colours_that_are_multiplied_by_alpha() -> None:
+    pixels = np.random.default_rng(2).integers(0, 9000, (30, 40, 4)).astype(np.uint16)
+    pixels[..., 3] = 65535
+    pixels[:9, :, 3] = 20000
+    data = imagecodecs.jpegxl_encode(pixels, lossless=True, usecontainer=True)
+    at = data.index(b"\xff\x0a", 20) + 2 + ASSOCIATED // 8
+    stated = bytes([data[at] | 1 << ASSOCIATED % 8])
+    with open_source(data[:at] + stated + data[at + 1 :]) as source:
+        found = source.read(0, 0, 40, 30).pixels
+    np.testing.assert_array_equal(found[9:], pixels[9:])
+    np.testing.assert_array_equal(found[:9, :, :3], np.rint(pixels[:9, :, :3] * (65535 / 20000)))
+
+
 def test_metadata_comes_and_the_picture_is_upright_already(tmp_path: Path) -> None:
     blob = exif_blob()
     more = box(b"Exif", bytes(4) + blob), box(b"xml ", b"<x:xmpmeta/>"), box(b"Exif", b"second")
