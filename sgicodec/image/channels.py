@@ -78,9 +78,16 @@ def _jpeg2000(data: Bytes) -> Channels:
 
 
 def _jpegxl(data: Bytes) -> Channels:
+    """Of channels beside colours OpenImageIO gives one that is alpha alone; it makes up samples for others."""
     found = jxl.image_header(data)
     if found is None:
         return AsIs
+    if found.others not in ((), (jxl.ALPHA,)):
+        count = len(found.others)
+        raise PictureError(
+            f"it has {count} channel{'s' * (count > 1)} beside colours, as depth or spot colours, which are not read; "
+            "save it as TIFF"
+        )
     frames_bits = found.bits if found.is_animation else None
     return Channels(associated=found.is_associated, frames_bits=frames_bits)
 

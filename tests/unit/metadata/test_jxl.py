@@ -71,6 +71,14 @@ def test_colours_that_are_multiplied_by_alpha() -> None:
     np.testing.assert_array_equal(found[:9, :, :3], np.rint(pixels[:9, :, :3] * (65535 / 20000)))
 
 
+@pytest.mark.parametrize("count", [1, 2, 3])
+def test_channels_that_openimageio_makes_up_are_refused(count: int) -> None:
+    planes = np.random.default_rng(3).integers(0, 256, (1 + count, 30, 40)).astype(np.uint8)
+    data = imagecodecs.jpegxl_encode(planes, lossless=True, planar=True, photometric="gray")
+    with pytest.raises(PictureError, match=f"it has {count} channels? beside colours, .*, which are not read"):
+        open_source(data)
+
+
 def test_metadata_comes_and_the_picture_is_upright_already(tmp_path: Path) -> None:
     blob = exif_blob()
     more = box(b"Exif", bytes(4) + blob), box(b"xml ", b"<x:xmpmeta/>"), box(b"Exif", b"second")
