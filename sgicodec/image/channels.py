@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import struct
 from typing import Literal, NamedTuple
 
@@ -31,12 +32,18 @@ colours that are multiplied by it.
 """
 
 
+_PNM = re.compile(rb"P[2356](?:(?:\s|#[^\n]*\n)+(\d+)){3}\s")
+"""Its header: width, height and the largest sample, between comments."""
+_MAX_PNM_HEADER = 1 << 12
+
+
 class Channels(NamedTuple):
     """last: what the file says of its last channel, if that may be alpha. order: where red, green, blue and the last
     are among the channels that OpenImageIO gives, None for one after the other. second: whether OpenImageIO loses some,
     or takes them for others, so that another library has to read them; deep: whether it does so with samples that
     are signed or have more than 16 bits. associated: whether colours are multiplied by alpha where OpenImageIO does not
-    know; frames_bits: of a sample of an animation of JPEG XL, 0 if not known.
+    know; largest: the sample that becomes the largest of its type, where it does not tell, else 0; frames_bits: of a
+    sample of an animation of JPEG XL, 0 if not known.
     """
 
     last: Last = "alpha"
@@ -44,6 +51,7 @@ class Channels(NamedTuple):
     second: bool = False
     deep: bool = False
     associated: bool = False
+    largest: int = 0
     frames_bits: int | None = None
 
 
@@ -65,6 +73,8 @@ def declared_channels(data: Bytes, kind: str) -> Channels:
             return Channels(second=True)  # OpenImageIO's first icon is the smallest one, as most programs write them
         if kind == "tiff":
             return Channels(_tiff(data))
+        if kind == "pnm" and (stated := _PNM.match(bytes(data[:_MAX_PNM_HEADER]))):
+            return Channels(largest=int(stated[1]))
     except struct.error:
         pass  # OpenImageIO has the word on damage
     return AsIs
@@ -89,7 +99,7 @@ def _jpegxl(data: Bytes) -> Channels:
             "save it as TIFF"
         )
     frames_bits = found.bits if found.is_animation else None
-    return Channels(associated=found.is_associated, frames_bits=frames_bits)
+    return Channels(associated=found.is_associated, largest=(1 << found.bits) - 1, frames_bits=frames_bits)
 
 
 def _tiff(data: Bytes) -> Last:

@@ -162,20 +162,23 @@ def has_own_numbers(spec: ImageSpec) -> bool:
     return not stretched and _photometric(spec) in (_GRAY, _RGB, _YCBCR)
 
 
-def renumbered(spec: ImageSpec, kind: str) -> str:
+def renumbered(spec: ImageSpec, kind: str, stated: int = 0) -> str:
     """What numbers samples come as, in words, where they have few bits or 0 is white; empty if these are their own.
-    Less than 8 bits are levels of a screen in other formats than TIFF, whose numbers mean nothing.
+    Less than 8 bits are levels of a screen in other formats than TIFF, whose numbers mean nothing. stated: the largest
+    sample, if OpenImageIO does not tell its bits.
     """
-    bits = int(spec.get_int_attribute("oiio:BitsPerSample", 0))
+    bits = int(spec.get_int_attribute("oiio:BitsPerSample", 0)) or stated.bit_length()
     full = 8 * spec.format.size()
     if str(spec.format) not in ("uint8", "uint16") or not 0 < bits <= full or _photometric(spec) == _PALETTE:
         return ""
-    if (full == 8 and kind != "tiff") or (bits == full and not is_white_zero(spec)):
+    largest, top = (1 << full) - 1, stated or (1 << bits) - 1
+    if (full == 8 and kind != "tiff") or (top == largest and not is_white_zero(spec)):
         return ""
-    (times, rest), largest = divmod((1 << full) - 1, (1 << bits) - 1), (1 << full) - 1
-    factor = f" · {largest} / {(1 << bits) - 1} rounded down" if rest else f" · {times}" if times > 1 else ""
+    times, rest = divmod(largest, top)
+    rounded = "rounded" if kind in ("jpeg2000", "jpegxl") else "rounded down"
+    factor = f" · {largest} / {top} {rounded}" if rest else f" · {times}" if times > 1 else ""
     white = f"{largest} − " if is_white_zero(spec) else ""
-    few = f"of its {bits} bit{'s' * (bits > 1)} become {full} bits," if bits < full else "become"
+    few = f"of its {bits} bit{'s' * (bits > 1)} become {full} bits," if top < largest else "become"
     return f"samples v {few} {white}v{factor}"
 
 

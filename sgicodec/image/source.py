@@ -114,7 +114,7 @@ class Source:
         if opened.native not in (self.dtype, np.float16):
             rounded = "" if np.can_cast(opened.native, self.dtype) else ", rounded to 24 bits"
             notes.append(f"samples of {opened.native} become 32-bit floats{rounded}")
-        if numbers := renumbered(opened.spec, opened.kind):
+        if numbers := renumbered(opened.spec, opened.kind, opened.channels.largest):
             notes.append(numbers)
         if opened.alpha_is_band and self._alpha != "band":
             notes.append(ALPHA_IS_BAND)

@@ -92,6 +92,15 @@ def test_that_few_bits_are_stretched_is_said(tmp_path: Path, name: str, bits: in
     assert notes_of(save(tmp_path / name, pixels, oiio__BitsPerSample=bits)) == notes
 
 
+@pytest.mark.parametrize(("largest", "factor"), [(1000, "65535 / 1000 rounded down"), (257, "255"), (65535, None)])
+def test_that_a_pnm_is_stretched_is_said(largest: int, factor: str | None) -> None:
+    data = b"P5\n# 9 9\n4 1 # more\n%d\n" % largest + np.array([0, 1, 200, largest], ">u2").tobytes()
+    few = largest.bit_length()
+    assert notes_of(data) == ((f"samples v of its {few} bits become 16 bits, v · {factor}",) if factor else ())
+    expected = np.array([0, 1, 200, largest], np.int64) * 65535 // largest
+    np.testing.assert_array_equal(read(data).pixels.ravel(), expected)
+
+
 @pytest.mark.parametrize(
     ("dtype", "said"),
     [("bool", "of its 1 bit become 8 bits, 255 − v · 255"), ("uint8", "become 255 − v"), ("u2", "become 65535 − v")],

@@ -79,6 +79,18 @@ def test_channels_that_openimageio_makes_up_are_refused(count: int) -> None:
         open_source(data)
 
 
+@pytest.mark.parametrize(
+    ("bits", "notes"), [(12, ("samples v of its 12 bits become 16 bits, v · 65535 / 4095 rounded",)), (16, ())]
+)
+def test_that_few_bits_are_stretched_is_said(bits: int, notes: tuple[str, ...]) -> None:
+    pixels = np.random.default_rng(5).integers(0, 1 << bits, (30, 40, 3)).astype(np.uint16)
+    data = imagecodecs.jpegxl_encode(pixels, lossless=True, bitspersample=bits)
+    with open_source(data) as source:
+        assert source.notes == notes
+        expected = np.rint(pixels * (65535 / ((1 << bits) - 1)))
+        np.testing.assert_allclose(source.read(0, 0, 40, 30).pixels, expected, rtol=0, atol=1)
+
+
 def test_metadata_comes_and_the_picture_is_upright_already(tmp_path: Path) -> None:
     blob = exif_blob()
     more = box(b"Exif", bytes(4) + blob), box(b"xml ", b"<x:xmpmeta/>"), box(b"Exif", b"second")
