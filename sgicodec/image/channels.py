@@ -7,7 +7,7 @@ import struct
 from typing import Literal, NamedTuple
 
 from sgicodec.errors import PictureError
-from sgicodec.metadata import geo, ifd, jp2, jxl
+from sgicodec.metadata import geo, ifd, jp2, jxl, photoshop
 from sgicodec.metadata.filebytes import Bytes
 from sgicodec.metadata.gdal_items import last_colour
 
@@ -59,7 +59,7 @@ AsIs = Channels()
 
 
 def declared_channels(data: Bytes, kind: str) -> Channels:
-    """Those of a file in OpenImageIO's format `kind`. Raises PictureError for bit fields that nobody reads."""
+    """Those of a file in OpenImageIO's format `kind`. Raises PictureError for those that nobody reads."""
     try:
         if kind == "bmp":
             return _bmp(data)
@@ -69,6 +69,10 @@ def declared_channels(data: Bytes, kind: str) -> Channels:
             return _jpeg2000(data)
         if kind == "jpegxl":
             return _jpegxl(data)
+        if kind == "psd" and photoshop.is_multichannel(data):
+            raise PictureError(
+                "its channels are inks without a colour space (Multichannel), which are not read; save as RGB"
+            )
         if kind == "ico":
             return Channels(second=True)  # OpenImageIO's first icon is the smallest one, as most programs write them
         if kind == "tiff":

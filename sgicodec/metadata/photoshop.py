@@ -11,13 +11,13 @@ from typing import NamedTuple
 from sgicodec.metadata import density
 from sgicodec.metadata.filebytes import Bytes
 
-__all__ = ["IPTC", "find", "is_psd", "left_behind", "names"]
+__all__ = ["IPTC", "find", "is_multichannel", "is_psd", "left_behind", "names"]
 
 IPTC = "IPTC"
 _HEADER = struct.Struct(">4sH6xH8xHH")
 _RESOLUTION, _IPTC_BLOCK, _COPYRIGHT, _URL, _EXIF, _XMP = 1005, 1028, 1034, 1035, 1058, 1060
 _PATHS = range(2000, 2998)
-_CMYK = 4
+_CMYK, _MULTICHANNEL = 4, 7
 _COLOURS = {0: 1, 1: 1, 2: 1, 3: 3, _CMYK: 4}
 """Channels of each mode."""
 _DEEP_LAYERS = (b"8BIMLr16", b"8BIMLr32")
@@ -37,6 +37,11 @@ class _Contents(NamedTuple):
 def is_psd(data: Bytes) -> bool:
     """Whether it is a PSD file, by its beginning."""
     return len(data) >= _HEADER.size and bytes(data[:4]) == b"8BPS"
+
+
+def is_multichannel(data: Bytes) -> bool:
+    """Whether the channels of a PSD file are inks of any number and colour."""
+    return bool(_HEADER.unpack(data[: _HEADER.size])[-1] == _MULTICHANNEL)
 
 
 def find(data: Bytes) -> tuple[bytes | None, bytes | None, bytes | None]:

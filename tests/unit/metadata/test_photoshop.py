@@ -9,6 +9,7 @@ import pytest
 from tags import exif_blob
 
 from sgicodec import open_source
+from sgicodec.errors import PictureError
 from sgicodec.metadata import density, photoshop
 from sgicodec.metadata.embedded import extract
 from sgicodec.metadata.left_behind import left_behind
@@ -43,6 +44,13 @@ NAMES = ["IPTC", "clipping paths", "Photoshop's copyright"]
 def test_what_is_not_kept_is_named(data: bytes, names: list[str]) -> None:
     assert left_behind(data) == names
     assert photoshop.is_psd(data) == (data[:4] == b"8BPS" and len(data) > 20)
+
+
+@pytest.mark.parametrize("channels", [1, 3, 4])
+def test_inks_of_any_colour_are_refused(channels: int) -> None:
+    """OpenImageIO would show three of them as red, green and blue, and the fourth as alpha."""
+    with pytest.raises(PictureError, match=r"inks without a colour space \(Multichannel\)"):
+        open_source(psd(7, channels))
 
 
 def test_metadata_comes(tmp_path: Path) -> None:
