@@ -28,6 +28,7 @@ class Format:
     associated: alpha is stored premultiplied, by the format's definition.
     piped: the writer's library fails badly where a file cannot grow, and goes through a pipe: libjpeg ends the process,
     that of WebP never ends.
+    positive: samples have no sign, and are finite.
     in_library: how many times the size of all samples OpenImageIO's writer holds in memory; 0 if it needs a few rows.
     """
 
@@ -39,6 +40,7 @@ class Format:
     associated: bool = False
     in_library: int = 0
     piped: bool = False
+    positive: bool = False
 
     def check(self, header: Probe) -> None:
         """Raise PictureError if the picture would lose depth or channels."""
@@ -79,7 +81,7 @@ FORMATS = (
     Format("jpegxl", ("jxl",), _INTEGERS, ("gray", "rgb", "rgba"), {"compression": "jpegxl:100"}, in_library=11),
     Format("jpeg2000", ("jp2",), _INTEGERS, ("gray", "rgb", "rgba"), in_library=9),
     Format("openexr", ("exr",), ("float32",), _ALL, {"compression": "zip"}, associated=True),
-    Format("hdr", ("hdr",), ("float32",), ("rgb",)),
+    Format("hdr", ("hdr",), ("float32",), ("rgb",), positive=True),
     Format("pfm", ("pfm",), ("float32",), _NO_ALPHA),
     Format("pnm", ("ppm", "pgm", "pnm"), _INTEGERS, _NO_ALPHA),
     Format("targa", ("tga",), ("uint8",), tuple(LAYOUTS), {"compression": "rle"}),

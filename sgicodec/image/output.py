@@ -55,7 +55,7 @@ class Output:
         load_openimageio("writing pictures")
         import OpenImageIO as oiio
 
-        self._header = header
+        self._header, self._holder = header, holder
         self._associated = holder.associated and alpha_index(header.channels) is not None
         self._tiled = holder.name == "tiff" and header.width * header.height > _TILED_PIXELS
         self._next = 0
@@ -108,6 +108,8 @@ class Output:
 
     def write(self, pixels: Samples) -> None:
         """Take the next rows [n, W, C]. Raises PictureError or OSError."""
+        if self._holder.positive and not ((pixels >= 0) & (pixels < np.inf)).all():
+            raise PictureError(f"{self._holder.name} cannot hold negative, infinite or undefined samples; choose exr")
         if self._associated:
             pixels = associate(pixels)
         pixels = np.ascontiguousarray(pixels)

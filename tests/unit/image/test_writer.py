@@ -61,10 +61,22 @@ def test_jpeg_is_close(tmp_path: Path) -> None:
     assert np.abs(read(tmp_path / "x.jpg").pixels.astype(int) - ramp).max() <= 3
 
 
+@pytest.mark.parametrize("sample", [-0.25, np.inf, np.nan])
+def test_samples_that_radiance_cannot_hold_are_refused(tmp_path: Path, sample: float) -> None:
+    """OpenImageIO would write some other number."""
+    picture = _picture("float32", "rgb")
+    picture.pixels[30, 20, 1] = sample
+    with pytest.raises(PictureError, match="negative, infinite or undefined samples; choose exr"):
+        write(picture, tmp_path / "x.hdr")
+    assert not (tmp_path / "x.hdr").exists()
+
+
 @pytest.mark.parametrize("format", [holder.name for holder in FORMATS])
 def test_equal_pictures_make_equal_bytes(format: str, monkeypatch: pytest.MonkeyPatch) -> None:
     holder = find(format)
     picture = _picture(holder.dtypes[0], "rgb")
+    if holder.positive:
+        np.abs(picture.pixels, out=picture.pixels)
     files = []
     for zone in ("UTC", "Asia/Tokyo"):  # so that an hour of writing would show
         monkeypatch.setenv("TZ", zone)
