@@ -5,7 +5,21 @@ from __future__ import annotations
 import struct
 
 from sgicodec.errors import PictureError
-from sgicodec.metadata import avif, extended_xmp, ifd, jpeg, jxl, pages, photoshop, png, radiance, stated_colours, webp
+from sgicodec.metadata import (
+    avif,
+    extended_xmp,
+    ifd,
+    jpeg,
+    jxl,
+    pages,
+    photoshop,
+    png,
+    radiance,
+    stacks,
+    stated_colours,
+    tiff,
+    webp,
+)
 from sgicodec.metadata.filebytes import Bytes
 
 __all__ = ["are_foreign", "left_behind"]
@@ -43,10 +57,14 @@ _MOTION = (b'MotionPhoto="1"', b'MicroVideo="1"')
 _FRAMES = {*range(0xC0, 0xD0)} - {0xC4, 0xC8, 0xCC}
 _PHOTOMETRIC, _COLOUR_TABLE, _TIFF_IPTC, _TIFF_PHOTOSHOP, _TIFF_LAYERS = 262, 320, 33723, 34377, 37724
 _SHORT, _PALETTE, _SEPARATED = 3, 3, 5
-_NAMED = {_TIFF_LAYERS: "layers", 50909: "GEO_METADATA"}
+_NAMED = {_TIFF_LAYERS: "layers", 50909: "GEO_METADATA", 50839: "ImageJ's LUTs, overlays or labels"}
+_NAMED |= {285: "PageName", 291: "GrayResponseCurve", 340: "SMinSampleValue", 341: "SMaxSampleValue"}
 _BITS, _LOW, _HIGH = 258, 280, 281
-_ASKED = {_PHOTOMETRIC, _COLOUR_TABLE, _TIFF_IPTC, _TIFF_PHOTOSHOP, *_NAMED, _BITS, _LOW, _HIGH}
-_FIRST_PRIVATE = 65000
+_PAGE_X, _PAGE_Y = 286, 287
+_ASKED = {_PHOTOMETRIC, _COLOUR_TABLE, _TIFF_IPTC, _TIFF_PHOTOSHOP, *_NAMED, _BITS, _LOW, _HIGH, _PAGE_X, _PAGE_Y}
+_FIRST_PRIVATE = 32768
+_IDLE_PRIVATE = {*range(32995, 32999), 50674, 50838, 59932, 59933}
+"""How samples are stored; bytes of ImageJ's; what Windows leaves room for."""
 
 
 def left_behind(data: Bytes) -> list[str]:
@@ -180,7 +198,11 @@ def _of_tiff(data: Bytes) -> list[str]:
     for tag, name, usual in ((_LOW, "MinSampleValue", 0), (_HIGH, "MaxSampleValue", (1 << min(bits, 16)) - 1)):
         found += [name] * (tag in entries and entries[tag].short != usual)
     found += ["a mask"] * pages.has_mask(data) + pages.associated_images(data)
-    private = sum(tag >= _FIRST_PRIVATE for tag in ifd.tags(data))
+    if any(entries[tag].data[:4].strip(b"\0") for tag in (_PAGE_X, _PAGE_Y) if tag in entries):
+        found.append("its position on a page")
+    found += stacks.left_behind(tiff.of_stack(data) | ifd.load(data, {tiff.DESCRIPTION}))
+    known = _ASKED | tiff.KEPT | stated_colours.TIFF_TAGS | _IDLE_PRIVATE
+    private = sum(tag >= _FIRST_PRIVATE and tag not in known for tag in ifd.tags(data))
     return [*found, f"{private} private tag{'s' * (private > 1)}"] if private else found
 
 

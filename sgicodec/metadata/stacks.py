@@ -14,7 +14,7 @@ from sgicodec.metadata import ifd
 from sgicodec.metadata.density import Density
 from sgicodec.metadata.filebytes import Bytes
 
-__all__ = ["images", "resolution_tags", "states_shape", "without_shape"]
+__all__ = ["images", "left_behind", "resolution_tags", "states_shape", "without_shape"]
 
 _DESCRIPTION, _X, _Y = 270, 282, 283
 _ASCII = 2
@@ -27,6 +27,17 @@ _IMAGES = re.compile(rb"\AImageJ=[^\0]*^images=([0-9]{1,9})$", re.MULTILINE)
 _SIZE = re.compile(r'\bPhysicalSize([XY])="([^"]*)"')
 _SIZE_UNIT = re.compile(r'\bPhysicalSize[XY]Unit="([^"]*)"')
 _POWER = re.compile(r'\bNominalMagnification="([0-9]{1,4}(?:\.[0-9]{1,4})?)"')
+_OME_SAYS = re.compile(
+    rb"""\b(Color|AcquisitionMode|EmissionWavelength|ExcitationWavelength|Fluor|SignificantBits|PhysicalSizeZ|TimeIncrement
+    |DeltaT|ExposureTime|Position[XYZ])=" | <(?:\w+:)?(AcquisitionDate|Description|Experimenter|Instrument|ROI
+    |StructuredAnnotations)[\s>]""",
+    re.VERBOSE,
+)
+_OME_NAME = re.compile(rb"""SizeC="1".*<(?:\w+:)?Channel\s[^>]*\bName="[^"]""", re.DOTALL)
+_IMAGEJ_SAYS, _SHAPED_SAYS = re.compile(rb"^(\w+)=", re.MULTILINE), re.compile(rb'"(\w+)":')
+_IDLE = {"ImageJ", "images", "channels", "slices", "frames", "hyperstack", "mode", "loop", "min", "max", "unit"}
+_IDLE |= {"shape", "axes", "truncated"}
+"""What they say beside the size of pixels; what says nothing of a single page."""
 _IMAGEJ_UNIT = re.compile(r"^unit=(.*)$", re.MULTILINE)
 
 _MICRONS_IN = {"µm": Fraction(1), "um": Fraction(1), "micron": Fraction(1), "microns": Fraction(1)}
@@ -59,6 +70,20 @@ def without_shape(directory: ifd.Directory) -> ifd.Directory:
     kept |= resolution_tags(_ome_sizes(words))
     power = _POWER.search(words)
     return kept | ({_DESCRIPTION: ifd.Entry(_ASCII, f"AppMag = {power[1]}\0".encode())} if power else {})
+
+
+def left_behind(directory: Mapping[int, ifd.Entry | ifd.Directory]) -> list[str]:
+    """What else a description says that states the shape of a stack, in its own words; nothing of others."""
+    text = _text(directory)
+    if _OME.search(text):
+        whose, words = "OME", [b"".join(pair) for pair in _OME_SAYS.findall(text)]
+        words += [b"Channel Name"] * (_OME_NAME.search(text) is not None)
+    elif _IMAGEJ.match(text):
+        whose, words = "ImageJ", _IMAGEJ_SAYS.findall(text)
+    else:
+        whose, words = "tifffile", _SHAPED_SAYS.findall(text) if _SHAPED.match(text) else []
+    found = [word for word in dict.fromkeys(each.decode("latin-1") for each in words) if word not in _IDLE]
+    return [f"{whose}'s {', '.join(found)}"] if found else []
 
 
 def _text(directory: Mapping[int, ifd.Entry | ifd.Directory]) -> bytes:

@@ -14,7 +14,7 @@ from sgicodec.metadata.filebytes import Bytes, FileBytes
 from sgicodec.metadata.pages import PageBytes
 from sgicodec.metadata.stacks import states_shape, without_shape
 
-__all__ = ["DESCRIPTION", "XMP", "described", "find", "insert"]
+__all__ = ["DESCRIPTION", "KEPT", "XMP", "described", "find", "insert", "of_stack"]
 
 _BYTE, _SHORT = 1, 3
 _PHOTOMETRIC, _EXTRA_SAMPLES = 262, 338
@@ -25,6 +25,8 @@ _DESCRIPTIVE = {269, DESCRIPTION, 271, 272, 305, _DATETIME, 315, 316, 18246, 334
 """Document name, description, make, model, software, date, artist, host, rating, copyright, Windows' tags."""
 
 _EXIF = _DESCRIPTIVE | geo.RESOLUTION | {ifd.EXIF_IFD, ifd.GPS_IFD}
+KEPT = _EXIF | geo.TAGS | {XMP}
+"""Tags that a stream keeps."""
 
 _NO_UNIT = ifd.Entry(3, b"\1\0")
 
@@ -36,7 +38,7 @@ def find(data: Bytes) -> tuple[bytes | None, bytes | None, bytes | None]:
     shape of a stack is left behind.
     """
     try:
-        directory = without_shape(_of_stack(data) | ifd.load(data, _EXIF | geo.TAGS | {XMP}))
+        directory = without_shape(of_stack(data) | ifd.load(data, KEPT))
     except struct.error:
         return None, None, None
     xmp = directory.pop(XMP, None)
@@ -47,7 +49,7 @@ def find(data: Bytes) -> tuple[bytes | None, bytes | None, bytes | None]:
     return exif, xmp.data if isinstance(xmp, ifd.Entry) else None, geo.pack(directory)
 
 
-def _of_stack(data: Bytes) -> ifd.Directory:
+def of_stack(data: Bytes) -> ifd.Directory:
     """The description of the whole stack, where `data` stands for another page than the first, which has it."""
     first = ifd.load(data.whole, {DESCRIPTION}) if isinstance(data, PageBytes) else {}
     return first if states_shape(first) else {}

@@ -66,6 +66,15 @@ def masked() -> bytes:
     return out.getvalue()
 
 
+def described(**options: Any) -> bytes:
+    """A TIFF with the description of a stack."""
+    out = io.BytesIO()
+    tifffile.imwrite(out, PIXELS[..., 0], **options)
+    return out.getvalue()
+
+
+PAGE = ("PageName", "its position on a page")
+DAPI: dict[str, Any] = {"axes": "YX", "Channel": {"Name": ["DAPI"], "Color": [255]}, "Plane": {"ExposureTime": [0.1]}}
 XMP = b"http://ns.adobe.com/xap/1.0/\0<x/>"
 GAMMA, LINEAR = (chunk(b"gAMA", struct.pack(">I", value)) for value in (45455, 100000))
 PQ = chunk(b"cICP", bytes([9, 16, 0, 1]))
@@ -119,6 +128,20 @@ PQ = chunk(b"cICP", bytes([9, 16, 0, 1]))
         (tiff({"extratags": [(280, "H", 1, 0, True), (281, "H", 1, 255, True)]}), []),
         (tiff({"extratags": [(65000, "H", 1, 3, True)]}), ["1 private tag"]),
         (tiff({"extratags": [(65000, "H", 1, 3, True), (65535, "s", 0, "a", True)]}), ["2 private tags"]),
+        (tiff({"extratags": [(33628, "I", 1, 1, True), (34118, "s", 0, "AP", True)]}), ["2 private tags"]),
+        (tiff({"extratags": [(32997, "I", 1, 1, True), (33432, "s", 0, "me", True)]}), []),
+        (tiff({"extratags": [(285, "s", 0, "left", True), (287, "2I", 1, (3, 1), True)]}), [*PAGE]),
+        (tiff({"extratags": [(286, "2I", 1, (0, 1), True), (287, "2I", 1, (0, 1), True)]}), []),
+        (tiff({"extratags": [(291, "H", 256, tuple(range(256)), True)]}), ["GrayResponseCurve"]),
+        (tiff({"extratags": [(341, "f", 1, 0.9, True)]}), ["SMaxSampleValue"]),
+        (described(imagej=True, metadata={"min": 3, "unit": "um"}, resolution=(2, 2)), []),
+        (described(imagej=True, metadata={"cf": 0, "c0": -32768, "c1": 1}), ["ImageJ's cf, c0, c1"]),
+        (described(imagej=True, metadata={"Labels": ["x"]}), ["ImageJ's LUTs, overlays or labels"]),
+        (described(metadata={"axes": "YX"}), []),
+        (described(metadata={"exposure": 3}), ["tifffile's exposure"]),
+        (described(ome=True, metadata={"axes": "YX", "PhysicalSizeX": 0.5}), []),
+        (described(ome=True, metadata={"axes": "YX", "SignificantBits": 12}), ["OME's SignificantBits"]),
+        (described(ome=True, metadata=DAPI), ["OME's Color, ExposureTime, Channel Name"]),
         (masked(), ["a mask"]),
         (classes(257), ["palette (RGB instead)"]),
         (classes(256), ["palette (RGB instead)"]),
