@@ -39,7 +39,8 @@ def not_kept(spec: ImageSpec, kind: str) -> list[str]:
     """Names of it. kind: OpenImageIO's name of the format."""
     if kind in _KEPT_ELSEWHERE:
         return []
-    names = [one.name for one in spec.extra_attribs if _says_something(one.name, one.value)]
+    own = ("oiio:", "openexr:", "ICCProfile:") if kind == "openexr" else ("",)
+    names = [one.name for one in spec.extra_attribs if _says_something(one.name, one.value, own)]
     found = names[:_MAX_NAMES]
     if len(names) > _MAX_NAMES:
         found.append(f"{len(names) - _MAX_NAMES} more attributes")
@@ -54,8 +55,9 @@ def not_kept(spec: ImageSpec, kind: str) -> list[str]:
     return found
 
 
-def _says_something(name: str, value: Any) -> bool:
-    if name in _IDLE or (":" in name and not name.startswith("smpte:")):
+def _says_something(name: str, value: Any, own: tuple[str, ...]) -> bool:
+    """own: how names with a colon begin that OpenImageIO made."""
+    if name in _IDLE or (":" in name and name.startswith(own) and not name.startswith("smpte:")):
         return False
     try:
         stated = np.asarray(value, np.float64).ravel()

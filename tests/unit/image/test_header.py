@@ -157,6 +157,7 @@ FLOATS = np.random.default_rng(0).random((6, 8, 3), np.float32)
     [
         ("a.exr", {}, ()),
         ("a.exr", {"PixelAspectRatio": 1.0, "Software": "x", "oiio__ColorSpace": "x"}, ()),
+        ("a.exr", {"Exif__FNumber": 4.0, "arnold__x": "y"}, ("not kept: Exif:FNumber, arnold:x",)),
         ("a.exr", {"Artist": "x", "PixelAspectRatio": 2.0}, ("not kept: Artist, PixelAspectRatio",)),
         (
             "a.exr",
