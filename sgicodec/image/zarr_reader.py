@@ -47,7 +47,7 @@ class ZarrReader(Reader):
         """Raises PictureError for what is no image of OME-Zarr, UsageError for a page that is not there."""
         require("zarr", "reading OME-Zarr", "zarr")
         try:
-            self._scales, self._omero, self._array = _opened(path)
+            self._scales, self._omero, self._array, self._lost = _opened(path)
         except (KeyError, TypeError, AttributeError, ValueError, IndexError) as error:
             raise PictureError(f"its OME-Zarr metadata are damaged: {' '.join(str(error).split())}") from error
         self._axes = _axes(self._scales, self._array.ndim)
@@ -74,11 +74,17 @@ class ZarrReader(Reader):
             return "rgba"
         return "rgb" if self._count == 3 and coloured else "multi"
 
+    def left_behind(self) -> list[str]:
+        """Labels, further images, and colours of channels that are neither gray nor RGB."""
+        coloured = self.layout in (None, "multi") and {_colour(channel) for channel in self._omero} - {"", "FFFFFF"}
+        return self._lost + ["colours of channels"] * bool(coloured)
+
     def metadata(self) -> Metadata:
         """The size of a pixel, and names of channels that are no colours."""
         tags = resolution_tags(_microns(self._scales, self._axes))
-        if self.layout == "multi":
-            tags |= named_bands([str(channel.get("label") or "") for channel in self._omero])
+        names = [str(channel.get("label") or "") for channel in self._omero]
+        if self.layout == "multi" or (self.layout is None and [name.upper() for name in names] != ["GRAY"]):
+            tags |= named_bands(names)
         return Metadata(geo=geo.pack(tags))
 
     def spec(self) -> ImageSpec:
@@ -108,8 +114,14 @@ class ZarrReader(Reader):
         return np.ascontiguousarray(samples, samples.dtype.newbyteorder("="))
 
 
-def _opened(path: Path) -> tuple[Mapping[str, Any], Sequence[Mapping[str, Any]], Any]:
-    """The first multiscale image, its channels in the words of OMERO, and the array of its largest level."""
+def _colour(channel: Mapping[str, Any]) -> str:
+    return str(channel.get("color") or "").upper()
+
+
+def _opened(path: Path) -> tuple[Mapping[str, Any], Sequence[Mapping[str, Any]], Any, list[str]]:
+    """The first multiscale image, its channels in the words of OMERO, the array of its largest level, and what stands
+    beside it.
+    """
     import zarr
 
     try:
@@ -126,7 +138,9 @@ def _opened(path: Path) -> tuple[Mapping[str, Any], Sequence[Mapping[str, Any]],
     array = group[str(scales["datasets"][0]["path"])]  # never outside the group
     if not isinstance(array, zarr.Array):
         raise PictureError("its largest level is no array")
-    return scales, attributes.get("omero", {}).get("channels", []), array
+    beside = {"labels": "labels" in group, "further images": len(attributes["multiscales"]) > 1}
+    lost = [name for name, is_there in {**beside, "colours of labels": "image-label" in attributes}.items() if is_there]
+    return scales, attributes.get("omero", {}).get("channels", []), array, lost
 
 
 def _axes(scales: Mapping[str, Any], count: int) -> list[str]:

@@ -34,9 +34,9 @@ def ome_xml(
         facts |= {f"PhysicalSize{axis}": size for axis, size in zip("XY", microns, strict=True)}
         facts |= {"PhysicalSizeXUnit": "µm", "PhysicalSizeYUnit": "µm"}
     document = tifffile.OmeXml()
+    names = [band.description or "" for band in band_facts(stream.metadata.geo, count)]
+    facts |= {"Channel": {"Name": names}} if any(names) and (has_planes(stream) or count == 1) else {}
     if has_planes(stream):
-        names = [band.description or "" for band in band_facts(stream.metadata.geo, count)]
-        facts |= {"Channel": {"Name": names}} if any(names) else {}
         document.addimage(dtype, (count, height, width), (count, 1, 1, height, width, 1), axes="CYX", **facts)
     else:
         shape = (height, width, *((count,) if count > 1 else ()))

@@ -140,7 +140,7 @@ def _attributes(stream: Stream, bands: Bands, view: dict[str, Any]) -> dict[str,
 def _channels(stream: Stream) -> list[dict[str, Any]]:
     header = stream.header
     names = [facts.description for facts in band_facts(stream.metadata.geo, header.spec.channels)]
-    names = list(_NAMES.get(header.channels, names))
+    names = names if header.channels == "gray" and names[0] else list(_NAMES.get(header.channels, names))
     low, high = (np.broadcast_to(ends, len(names)).tolist() for ends in header.sample_range)
     found = []
     for band, name in enumerate(names):

@@ -61,6 +61,32 @@ def test_channels_are_bands_with_names(version: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
+    ("count", "channels", "lost"),
+    [
+        (1, [{"label": "DAPI", "color": "0000ff"}], "colours of channels"),
+        (2, [{"label": "DAPI", "color": "0000FF"}, {"label": "x", "color": "FFFFFF"}], "colours of channels"),
+        (1, [{"label": "Gray", "color": "FFFFFF"}], None),
+        (3, RGB, None),
+        (2, (), None),
+    ],
+)
+def test_what_is_not_kept_of_channels_is_said(count: int, channels: Any, lost: str | None, tmp_path: Path) -> None:
+    with open_source(ngff(tmp_path / "a.zarr", ramp(count, 5, 6, dtype="uint8"), channels=channels)) as source:
+        assert source.notes == ((f"not kept: {lost}",) if lost else ())
+        named = channels and channels[0].get("label") == "DAPI"
+        assert [facts.description for facts in band_facts(source.metadata.geo, 1)] == ["DAPI" if named else None]
+
+
+def test_labels_and_further_images_are_said(tmp_path: Path) -> None:
+    path = ngff(tmp_path / "a.zarr", ramp(1, 5, 6), version="0.4")
+    group = zarr.open_group(path, mode="r+")
+    group.create_group("labels")
+    group.attrs.update({"multiscales": group.attrs["multiscales"] * 2, "image-label": {"colors": []}})
+    with open_source(path) as source:
+        assert source.notes == ("not kept: labels, further images, colours of labels",)
+
+
+@pytest.mark.parametrize(
     ("count", "channels", "layout"),
     [
         (1, [{"color": "FF0000"}], "gray"),

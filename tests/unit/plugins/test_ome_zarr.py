@@ -18,6 +18,7 @@ from sgicodec.metadata import geo
 from sgicodec.metadata.gdal_items import band_facts, named_bands
 from sgicodec.metadata.stacks import resolution_tags
 from sgicodec.picture import Metadata, Picture
+from sgicodec.plugins.ome_xml import ome_xml
 from sgicodec.plugins.ome_zarr import write_ome_zarr
 
 
@@ -82,6 +83,14 @@ def test_names_and_size_survive_an_encode(stream: sgicodec.Stream, tmp_path: Pat
     assert "0.5 × 0.25 µm per pixel" in sgi("info", tmp_path / "a.sgi").output
 
 
+def test_the_name_of_a_single_channel_is_kept(tmp_path: Path) -> None:
+    picture = Picture(np.zeros((9, 9, 1), np.uint8), "gray", (0, 255), Metadata(geo=geo.pack(named_bands(["DAPI"]))))
+    found = sgicodec.open(sgicodec.encode(picture, steps=2))
+    write_ome_zarr(found, tmp_path / "a.zarr")
+    assert band_facts(sgicodec.read(tmp_path / "a.zarr").metadata.geo, 1)[0].description == "DAPI"
+    assert 'Name="DAPI"' in ome_xml(found, 9, 9, np.dtype(np.uint8), None).decode()
+
+
 def test_what_may_be_replaced(tmp_path: Path) -> None:
     out, source = tmp_path / "a.zarr", GOLDEN / "rgb8.sgi"
     done("decode", source, out)
@@ -106,6 +115,7 @@ def test_what_goes_not_together(stream: sgicodec.Stream, tmp_path: Path) -> None
 
 FULL = """
 import resource, sys, sgicodec
+from sgicodec.plugins.ome_xml import ome_xml
 from sgicodec.plugins.ome_zarr import write_ome_zarr
 resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096))
 try:
