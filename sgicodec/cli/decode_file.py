@@ -97,7 +97,7 @@ class DecodeJob:
             files.check(source, target, "picture")
             dtype, kind = _DTYPES[self.output.bits], self.output.pyramid_of(target)
             dtype = None if dtype == stream.header.sample_type else dtype
-            lost = losses(stream.metadata, stream.nodata, extension, dtype, kind == "cog")
+            lost = losses(stream.metadata, stream.nodata, extension, dtype, kind)
             is_exact = stream.max_error is not None or stream.exact_bands
             if dtype and is_exact and not (stream.has_exact_views or self.lossy):
                 lost.append("samples are those of the lossy picture: its residual layer has the stream's depth alone")

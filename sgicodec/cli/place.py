@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+import struct
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
@@ -58,15 +60,18 @@ _TAGS = ("png", "jpg", "webp")
 """Formats besides TIFF that hold EXIF and XMP."""
 
 
+_UNKNOWN_TO_GDAL = (271, 272, 18246, *range(40091, 40096))
+"""Make, model, rating, Windows' tags."""
+
 _SCALING = ("scale", "offset", "unit")
 """What is said of samples and is not true of others."""
 
 
 def losses(
-    metadata: Metadata, nodata: float | None, extension: str, dtype: str | None = None, cog: bool = False
+    metadata: Metadata, nodata: float | None, extension: str, dtype: str | None = None, pyramid: str | None = None
 ) -> list[str]:
     """What a decode loses of a picture's metadata and nodata value, a line each. dtype: of samples, where it is not the
-    stream's; cog: whether GDAL writes them.
+    stream's; pyramid: its kind, in TIFF.
     """
     stated, has_all_kinds = _of_bands(metadata.geo)
     found, numbers = [], [name for name in stated if dtype and name in _SCALING]
@@ -81,9 +86,20 @@ def losses(
         names = _lost_blobs(metadata, extension) + _lost_places(metadata.geo, nodata, extension)
         if names := names + [name for name in stated if name not in kept]:
             found.append(f".{extension} does not hold its {_listed(names)}; .tif does")
-    if cog and has_all_kinds:
+    if extension == "tif" and pyramid and _has_more_exif(metadata.exif, pyramid == "cog"):
+        found.append(f"a {'COG' if pyramid == 'cog' else 'pyramid'} does not hold all of its EXIF; a plain .tif does")
+    if pyramid == "cog" and has_all_kinds:
         found.append("a COG does not hold its items of bands without a domain; --pyramid does")
     return found
+
+
+def _has_more_exif(blob: bytes | None, cog: bool) -> bool:
+    """Whether there is more than descriptive tags, of which GDAL does not know some."""
+    from sgicodec.metadata import ifd
+
+    with suppress(struct.error):
+        return bool(blob and ifd.load(blob, {ifd.EXIF_IFD, ifd.GPS_IFD, *(_UNKNOWN_TO_GDAL if cog else ())}))
+    return False
 
 
 def _lost_blobs(metadata: Metadata, extension: str) -> list[str]:

@@ -138,6 +138,16 @@ def test_metadata_that_a_format_does_not_hold_is_named(
     assert found.stderr == ("" if lost is None else named)
 
 
+@pytest.mark.parametrize(("option", "kind"), [("--pyramid", "pyramid"), ("--cog", "COG"), (None, "pyramid")])
+def test_exif_that_pyramids_do_not_hold_is_said(tmp_path: Path, option: str | None, kind: str) -> None:
+    done("encode", PICTURES / "exif_gps.jpg", tmp_path / "x.sgi", "--steps", 2)
+    out = tmp_path / ("x.tif" if option else "x.ome.tif")
+    found = done("decode", tmp_path / "x.sgi", out, *[option] * bool(option))
+    assert found.stderr == f"sgi: {out}: a {kind} does not hold all of its EXIF; a plain .tif does\n"
+    with Image.open(out) as image:
+        assert not image.getexif().get_ifd(ifd.GPS_IFD)
+
+
 @pytest.mark.parametrize(("nodata", "is_lost"), [(7.0, True), (float("nan"), False)])
 def test_a_nodata_value_without_a_place(nodata: float, is_lost: bool, tmp_path: Path) -> None:
     """Of an array. Not-a-number says itself what it is."""
