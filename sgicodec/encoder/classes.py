@@ -13,14 +13,17 @@ from sgicodec.encoder.division import some_of
 from sgicodec.encoder.input.windows import Windows
 from sgicodec.encoder.plan import Plan
 from sgicodec.encoder.residual_form import DistinctPixels, Repeats, block_rects
+from sgicodec.metadata.layouts import alpha_index, band_ranges
 
-__all__ = ["bands_of_classes"]
+__all__ = ["bands_of_classes", "lost_bands"]
 
 _MAX_VALUES, _MAX_SCATTERED = 64, 16
 """Where most pixels are as the one to their left, and where not."""
 _NEAR_LEVELS = 16
 """Within so many levels of 8 bits all values change at the usual quality. Scattered ones that lie farther apart may be
 the grays of a scan."""
+_ONE_VALUE = 1e-6
+"""Parts of a sample that the range of a single value spans at most."""
 _LOOK_ROWS = 8
 """Of a block, which tell a photograph."""
 
@@ -55,6 +58,18 @@ def _holds_classes(windows: Windows, plan: Plan) -> bool:
         return True
     is_near = values.known.dtype != np.uint8 or bool(np.ptp(values.known) < _NEAR_LEVELS)
     return len(values.known) <= _MAX_SCATTERED and is_near
+
+
+def lost_bands(plan: Plan, max_error: float) -> list[int]:
+    """Which colours or bands an error may make a single value, from 0 on, but for those that are one."""
+    header, colours = plan.header, plan.header.spec.channels - (alpha_index(plan.header.channels) is not None)
+    ranges = enumerate(band_ranges(header.sample_range, colours))
+    is_float = header.sample_type == "float32"
+    return [
+        band
+        for band, (low, high) in ranges
+        if (_ONE_VALUE * abs(high) if is_float else 1) < high - low <= 2 * max_error
+    ]
 
 
 def _may_change(values: NDArray[Any], repeats: Repeats, plan: Plan) -> bool:

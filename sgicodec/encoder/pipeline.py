@@ -6,7 +6,7 @@ import io
 import shutil
 import tempfile
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, BinaryIO
 
 from sgicodec.device import ALL_CORES, Device, check_device
 from sgicodec.encoder.below_layer import with_layer, without_loss
-from sgicodec.encoder.classes import bands_of_classes
+from sgicodec.encoder.classes import bands_of_classes, lost_bands
 from sgicodec.encoder.division import Division, has_all_samples, is_quality_asked
 from sgicodec.encoder.graphics import with_graphics
 from sgicodec.encoder.input.windows import Windows, kept, windows_of, without_needless_alpha
@@ -124,19 +124,27 @@ def encode_all_channels(picture: Picture, settings: EncodeSettings, device: Devi
 
 def _way_to_divide(windows: Windows, plan: Plan, listener: NullListener) -> Callable[[Windows, Plan], Division]:
     """How tiles and a residual layer share the picture. The listener gets to know of classes that change."""
-    settings = plan.settings
-    if settings.max_error is not None:
+    settings, off = plan.settings, plan.settings.max_error
+    if off == 0:
         return with_layer
-    if not (bands := bands_of_classes(windows, plan)):
-        return _divided
-    if is_quality_asked(replace(plan, settings=settings.without_target())):
+    bands, count = bands_of_classes(windows, plan), windows.shape.bands
+    if bands and off is None and is_quality_asked(replace(plan, settings=settings.without_target())):
         return lambda windows, plan: _with_classes(windows, plan, bands)
-    if len(bands) == windows.shape.bands:
-        listener.note("its few values, as of classes, change: use --lossless")
-    else:
-        named = f"band{'s' * (len(bands) > 1)} {', '.join(str(band + 1) for band in bands)}"
-        listener.note(f"few values, as of classes and masks, change in {named}: encode them apart, or use --lossless")
-    return _divided
+    if len(bands) == count:
+        how = "change" if off is None else f"may change by {off:g}"
+        listener.note(f"its few values, as of classes, {how}: use --lossless")
+    elif bands:
+        listener.note(
+            f"few values, as of classes and masks, change in {_named(bands)}: encode them apart, or use --lossless"
+        )
+    elif off is not None and (lost := lost_bands(plan, off)):
+        listener.note(f"an error of {off:g} either way spans all samples of {_named(lost)}: nothing of them need remain")
+    return _divided if off is None else with_layer
+
+
+def _named(bands: Sequence[int]) -> str:
+    """Bands, from 0 on, as messages call them."""
+    return f"band{'s' * (len(bands) > 1)} {', '.join(str(band + 1) for band in bands)}"
 
 
 def _divided(windows: Windows, plan: Plan) -> Division:

@@ -98,6 +98,21 @@ def test_what_changes_is_said() -> None:
     ]
 
 
+def test_what_an_error_changes_is_said() -> None:
+    found, said = coded(AREAS, max_error=1)
+    assert np.abs(found.astype(int) - AREAS).max() == 1
+    assert said == ["its few values, as of classes, may change by 1: use --lossless"]
+    floats = RANDOM.random((70, 90), np.float32)
+    assert coded(floats, max_error=2)[1] == [
+        "an error of 2 either way spans all samples of band 1: nothing of them need remain"
+    ]
+    assert coded(floats, max_error=0.1)[1] == []
+    assert coded(np.full((70, 90), 5.0, np.float32) + 1, max_error=2, channels="gray")[0].tolist() == [[6.0] * 90] * 70
+    bands = np.dstack([floats * 100, floats, np.round(99 * floats)])
+    (said_of_bands,) = coded(bands, max_error=1, channels="multi")[1]
+    assert said_of_bands.startswith("an error of 1 either way spans all samples of band 2:")
+
+
 def test_grays_of_a_scan_and_nothing_are_no_classes() -> None:
     assert (coded(17 * GRAYS)[0] != 17 * GRAYS).any()
     assert not coded(np.zeros((70, 90, 4), np.uint8))[0].any()
