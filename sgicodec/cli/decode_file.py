@@ -6,7 +6,7 @@ import contextlib
 import os
 import time
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib import import_module
 from pathlib import Path
 from threading import Thread
@@ -144,6 +144,9 @@ class DecodeJob:
         view = self.view.of(stream) | {"dtype": _DTYPES[self.output.bits]}
         bands = stream.bands(**view)
         whole = stream.grid.count == 1 and pyramid is None
+        is_scaled = (bands.width, bands.height) != (view["region"] or (0, 0, stream.width, stream.height))[2:]
+        is_exact = not (is_scaled or self.lossy or stream.max_error is None or view["dtype"])
+        output = replace(self.output, is_exact=is_exact)
         rows = bands.height if whole else bands.rows
         if pyramid is None:
             rows += bands.height * find(extension).in_library
@@ -154,11 +157,11 @@ class DecodeJob:
             return bands
         if not whole:
             with row_progress(self.files.mode, bands.height) as draw:
-                write_bands(stream.header, bands, path, extension, self.output, draw)
+                write_bands(stream.header, bands, path, extension, output, draw)
             return bands
         with row_progress(self.files.mode, None):
             picture = stream.picture(**view)
-            write_picture(picture, path, extension, self.output)
+            write_picture(picture, path, extension, output)
         return picture
 
     def _extension(self, stream: Stream, target: str | None) -> str:

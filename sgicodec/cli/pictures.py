@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -28,7 +28,7 @@ Pyramid = Literal["tiff", "ome", "cog", "zarr"]
 @dataclass(frozen=True)
 class Output:
     """How a picture is written. bits: per sample, None for the stream's own; pyramid: what kind of it was asked
-    for; compression: of its tiles, if that was asked for.
+    for; compression: of its tiles, if that was asked for; is_exact: whether samples are the source's.
     """
 
     bits: int | None
@@ -36,6 +36,7 @@ class Output:
     threads: int
     pyramid: Pyramid | None = None
     compression: Compression | None = None
+    is_exact: bool = False
 
     def pyramid_of(self, target: str) -> Pyramid | None:
         """The kind of pyramid that the file is, by its name too."""
@@ -68,6 +69,7 @@ def write_picture(picture: Picture, path: Path, extension: str, output: Output) 
     """Writes a picture that is in memory."""
     from sgicodec.image.writer import write
 
+    picture = _as_seen(picture, extension, output)
     write(picture, path, format=extension, png_level=output.png_level, threads=output.threads)
 
 
@@ -103,7 +105,7 @@ def write_bands(
         for top, picture in bands:
             if sink is None:
                 sink = _sink(path, header, bands, picture, extension, output)
-            sink.write_rows(top, picture.pixels)
+            sink.write_rows(top, _as_seen(picture, extension, output).pixels)
             draw(top + picture.height)
     except BaseException:
         if sink is not None:
@@ -111,6 +113,17 @@ def write_bands(
         raise
     if sink is not None:
         sink.close()
+
+
+def _as_seen(picture: Picture, extension: str, output: Output) -> Picture:
+    """The picture, with black where its alpha is 0 if a format would add to others the colours that fill it there."""
+    import numpy as np
+
+    from sgicodec.image.formats import find
+
+    if picture.alpha is None or output.is_exact or not find(extension).associated:
+        return picture
+    return replace(picture, pixels=np.where(picture.pixels[..., -1:] == 0, 0, picture.pixels))
 
 
 def _sink(path: Path, header: Header, bands: Bands, first: Picture, extension: str, output: Output) -> Sink:

@@ -87,6 +87,8 @@ class Opened:
     """By how much a sample that was read is off at most from what the file holds; infinite where alpha clipped it."""
     misfit: str | None = None
     """What is said of an ICC profile that is not kept."""
+    shines: bool = False
+    """Whether colours that are multiplied by alpha were there where it is 0: light without a body."""
 
     @property
     def orientation(self) -> int:
@@ -172,6 +174,7 @@ class Opened:
             pixels = ~pixels
         if self.associated:
             self.rounding = math.inf if is_clipped(pixels) else self.rounding
+            self.shines = self.shines or (is_float and bool(pixels[pixels[..., -1] == 0].any()))
             pixels = unassociate(pixels)
         if white:
             pixels = np.concatenate([~pixels[..., :1], pixels[..., 1:]], axis=-1)

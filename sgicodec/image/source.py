@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
+from dataclasses import replace
 from pathlib import Path
 from types import TracebackType
 from typing import Any
@@ -31,6 +32,7 @@ _SCAN_SAMPLES = 1 << 22
 NO_OPACITY = "what is declared as alpha is opaque nowhere, or more than that: it is coded as a band like the others"
 
 
+LIGHT = "colours where alpha is 0, as of light, come back with --lossless or --max-error alone"
 ALPHA_IS_BAND = "alpha is coded as a band like the others, which are not gray or RGB alone"
 
 
@@ -174,7 +176,9 @@ class Source:
             with naming(self._origin):
                 for window in self._scan():
                     found.add(self._pixels(window))
-                self._use = found.found()
+                use = found.found()
+                remark = "; ".join(filter(None, (use.remark, LIGHT if self._opened.shines else None)))
+                self._use = replace(use, remark=remark or None)
         return self._use
 
     @property

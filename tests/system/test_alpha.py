@@ -7,12 +7,13 @@ from unittest.mock import Mock, call
 
 import numpy as np
 import pytest
+from command import done
 from data_files import crop
 from tags import TIED, geo_of, text
 
-from sgicodec import EncodeSettings, NullListener, Picture, decode, encode_picture, open_source, write
+from sgicodec import EncodeSettings, NullListener, Picture, decode, encode_picture, open_source, read, write
 from sgicodec.decoder.stream import open_stream
-from sgicodec.image.source import NO_OPACITY, open_to_encode
+from sgicodec.image.source import LIGHT, NO_OPACITY, open_to_encode
 from sgicodec.picture import Metadata, full_range
 
 TILES = [0, 64]
@@ -47,6 +48,27 @@ def test_alpha_that_is_opaque_everywhere_is_left_out(colours: np.ndarray, tile: 
     assert listener.remark.mock_calls == [call("alpha is opaque everywhere; it is left out")]
     assert listener.note.mock_calls == []
     assert encoded.data == encode_picture(Picture(pixels[..., :3], "rgb", (0.0, high)), settings).data
+
+
+@pytest.mark.parametrize("tile", TILES)
+@pytest.mark.parametrize("how", [["--steps", 5], ["--lossless"]])
+def test_light_without_a_body(tmp_path: Path, colours: np.ndarray, how: list[object], tile: int) -> None:
+    """Colours where alpha is 0, which EXR adds to what lies behind. A filling would be a bright cloud there."""
+    pixels = np.dstack([colours / np.float32(255), np.ones((80, 100), np.float32)])
+    pixels[:40] = 0
+    write(Picture(pixels, "rgba", (0.0, 1.0)), tmp_path / "dark.exr")
+    pixels[9:20, 9:20, :3] = (2, 1, 0)
+    write(Picture(pixels, "rgba", (0.0, 2.0)), tmp_path / "light.exr")
+    for name in ("dark", "light"):
+        stream = tmp_path / f"{name}.sgi"
+        said = done("encode", tmp_path / f"{name}.exr", *how, "--tile", tile, "-j", 1).stderr
+        assert (LIGHT in said) == (name == "light")
+        done("decode", stream, tmp_path / "back.exr", "-f")
+        is_exact = how == ["--lossless"]
+        found = read(tmp_path / "back.exr").pixels[:40]
+        np.testing.assert_array_equal(found, read(tmp_path / f"{name}.exr").pixels[:40] if is_exact else 0)
+        done("decode", stream, tmp_path / "back.exr", "-f", "--scale", 2)
+        assert not read(tmp_path / "back.exr").pixels[:70].any()
 
 
 @pytest.mark.parametrize("tile", TILES)
