@@ -41,7 +41,7 @@ from sgicodec.image.planes import Planes
 from sgicodec.image.raw_reader import RawReader
 from sgicodec.image.silence import without_libpng
 from sgicodec.image.slide_reader import SlideReader, is_slide
-from sgicodec.image.sniffed import SniffedFormat, sniffed_format
+from sgicodec.image.sniffed import SniffedFormat, larger_below, sniffed_format
 from sgicodec.image.zarr_reader import ZarrReader, is_zarr
 from sgicodec.metadata import embedded, geo, icc, ifd, jp2, placement, png, radiance
 from sgicodec.metadata.filebytes import FileBytes
@@ -217,6 +217,11 @@ def open_picture(path: Path, *, any_size: bool = False, alpha: Alpha = "auto", p
         if chosen.directory is not None and chosen.directory.number:
             data = PageBytes(file, chosen.directory)
             _refuse(ifd.damage(data))
+        if larger := larger_below(data):
+            size = "×".join(map(str, larger))
+            raise PictureError(
+                f"it is a preview: a picture of {size} pixels in a sub-directory is not read; save that first"
+            )
         found = embedded.extract(data)
         if found.geo is None and jp2.states_place(data):
             found = replace(found, geo=place_by_gdal(path))

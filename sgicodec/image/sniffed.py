@@ -5,6 +5,7 @@ A raw file often begins like a TIFF whose first picture is a small preview: read
 
 from __future__ import annotations
 
+import math
 import struct
 from collections.abc import Iterator
 from typing import Literal, NamedTuple
@@ -13,7 +14,7 @@ from sgicodec.metadata import ifd
 from sgicodec.metadata.avif import is_avif
 from sgicodec.metadata.filebytes import Bytes
 
-__all__ = ["SniffedFormat", "sniffed_format"]
+__all__ = ["SniffedFormat", "larger_below", "sniffed_format"]
 
 
 class SniffedFormat(NamedTuple):
@@ -39,6 +40,7 @@ _RAW = (
     (8, b"CR\x02\0", "CR2"),
 )
 
+_WIDTH, _HEIGHT = 256, 257
 _SUB_IFDS, _PHOTOMETRIC, _DNG_VERSION = 330, 262, 50706
 _SENSOR = (32803, 34892)
 """Photometric interpretations of samples as a sensor gives them: behind colour filters, or linear."""
@@ -78,6 +80,19 @@ def _tiff_raw(data: Bytes) -> str | None:
     except struct.error:
         pass  # damage is for others to name
     return None
+
+
+def larger_below(data: Bytes) -> tuple[int, int] | None:
+    """Width and height of a picture below the first directory of a TIFF that is larger; None if there is none."""
+    spelling = ifd.layout(data)
+    if spelling is None:
+        return None
+    try:
+        own, *below = ((found.get(_WIDTH, 0), found.get(_HEIGHT, 0)) for found in _directories(data, spelling))
+    except struct.error:
+        return None
+    largest = max(below, default=own, key=math.prod)
+    return largest if math.prod(largest) > math.prod(own) else None
 
 
 def _directories(data: Bytes, spelling: ifd.Layout) -> Iterator[dict[int, int]]:

@@ -153,7 +153,8 @@ def offset(data: Bytes, at: int, spelling: Layout) -> int:
 
 def first_integer(data: Bytes, row: Row, spelling: Layout) -> int:
     """The first value of a row of short or long integers; what stands there of any other."""
-    form = struct.Struct(spelling.order + "H") if row.kind == _SHORT else spelling.offset
+    letter = {_SHORT: "H", _LONG: "I"}.get(row.kind)
+    form = spelling.offset if letter is None else struct.Struct(spelling.order + letter)
     return int(form.unpack(data[row.at : row.at + form.size])[0])
 
 

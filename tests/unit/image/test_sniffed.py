@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import io
 import struct
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+import tifffile
 
 from sgicodec import read, write
 from sgicodec.errors import PictureError
@@ -71,6 +74,22 @@ def test_they_are_named_with_what_reads_them(
 def test_other_files_of_the_family_are_read(content: bytes) -> None:
     assert sniffed_format(content) is None
     assert read(content).pixels.shape == (1, 1, 1)
+
+
+@pytest.mark.parametrize("how", [{}, {"bigtiff": True, "byteorder": ">"}])
+def test_a_preview_of_a_picture_below_it_is_refused(how: dict[str, Any]) -> None:
+    """As of TIFF/EP; a reduction below is none."""
+    pixels = np.zeros((300, 400), np.uint8)
+    for first, below, expected in ((pixels[:30, :40], pixels, "400×300"), (pixels, pixels[:30, :40], None)):
+        out = io.BytesIO()
+        with tifffile.TiffWriter(out, **how) as file:
+            file.write(first, subifds=1, subfiletype=1 if expected else 0, metadata=None)
+            file.write(below, metadata=None)
+        if expected:
+            with pytest.raises(PictureError, match=f"a preview: a picture of {expected} pixels in a sub-directory"):
+                read(out.getvalue())
+        else:
+            assert read(out.getvalue()).pixels.shape[:2] == (300, 400)
 
 
 def test_no_picture_is_taken_for_one(tmp_path: Path) -> None:
