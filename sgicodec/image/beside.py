@@ -17,17 +17,20 @@ _SAYS_MORE = re.compile(
 )
 """In GDAL's `.aux.xml`: what says nothing of the picture itself, beside most pictures statistics alone; what does."""
 _MAX_AUX = 1 << 20
-_OWN, _AUX = (".wld", ".prj", ".xmp", "_rpc.txt", ".rpb"), ".aux.xml"
+_OWN, _AUX = (".wld", ".prj", ".xmp", "_rpc.txt", ".rpb", ".clr"), ".aux.xml"
 """What follows the name without its ending, besides world files; what follows the whole name."""
 
 
 def files_beside(path: Path) -> list[str]:
-    """Their names, in any case: world files (`.tfw`, `.tifw`, `.wld`), `.prj`, `.xmp`, `_RPC.TXT`, `.rpb`, `.msk`,
-    `.aux.xml` that says more than statistics.
+    """Their names, in any case: world files (`.tfw`, `.tifw`, `.wld`), `.prj`, `.xmp`, `_RPC.TXT`, `.rpb`, `.clr`,
+    `.msk`, `.vat.dbf`, `.aux.xml` that says more than statistics.
     """
     stem, ending = path.stem, path.suffix[1:]
     own = [f".{ending[0]}{ending[-1]}w", f".{ending}w", *_OWN] if ending else []
-    wanted = [*(f"{stem}{more}" for more in own), *(f"{path.name}{more}" for more in (".msk", ".xmp", _AUX))]
+    wanted = [
+        *(f"{stem}{more}" for more in own),
+        *(f"{path.name}{more}" for more in (".msk", ".xmp", ".vat.dbf", _AUX)),
+    ]
     lowered = {name.lower() for name in wanted}
     try:
         names = sorted(name for name in os.listdir(path.parent) if name.lower() in lowered)

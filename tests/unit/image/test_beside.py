@@ -31,6 +31,8 @@ from sgicodec.image.beside import files_beside
         ("a_RPC.TXT", b"LINE_OFF: 1", True),
         ("a_rpc.txt", b"LINE_OFF: 1", True),
         ("a.RPB", b"IMAGE", True),
+        ("a.tif.vat.dbf", b"\3", True),
+        ("a.clr", b"1 0 0 255", True),
         ("ab.tfw", b"10", False),
         ("a.tif.ovr", b"", False),
         ("b.tfw", b"10", False),
