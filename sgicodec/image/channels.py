@@ -25,6 +25,8 @@ _OPENIMAGEIO_AT = {2: 0, 1: 1, 0: 2, 3: 3}
 
 _CMYK = 12
 """The enumerated colour space of JPEG 2000, whose four channels OpenImageIO takes for red, green, blue and alpha."""
+_NO_RGB = (1, 3, 4, 9, 11, 13, 14, 19, 22, 23, 24)
+"""Others that no reader converts: luminance and differences, CIELab and the like (ISO/IEC 15444-2, table M.25)."""
 
 _EXTENSION, _NO_ALPHA, _ASSOCIATED = 494, (b"\0", b"\1"), b"\4"
 """Where the extension area of a Targa file says what alpha is, and what it says of none and of bytes to ignore, and of
@@ -85,7 +87,10 @@ def declared_channels(data: Bytes, kind: str) -> Channels:
 
 
 def _jpeg2000(data: Bytes) -> Channels:
-    found, is_cmyk = jp2.components(data), jp2.colour_space(data) == _CMYK
+    found, space = jp2.components(data), jp2.colour_space(data)
+    if space in _NO_RGB:
+        raise PictureError(f"its colours are in JPEG 2000's space {space}, which is not converted; save it as RGB")
+    is_cmyk = space == _CMYK
     if found is None:
         return Channels(second=is_cmyk)
     return Channels(second=is_cmyk, deep=found.is_deep, associated=found.is_associated)

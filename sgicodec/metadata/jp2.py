@@ -13,7 +13,7 @@ from sgicodec.metadata import tiff
 from sgicodec.metadata.boxes import boxes
 from sgicodec.metadata.filebytes import Bytes
 
-__all__ = ["Components", "colour_space", "components", "find", "is_boxed", "is_jpeg2000", "states_place"]
+__all__ = ["Components", "colour_space", "components", "find", "is_boxed", "is_jpeg2000", "left_behind", "states_place"]
 
 _SIGNATURE = b"\0\0\0\x0cjP  \r\n\x87\n"
 _GEO = bytes.fromhex("b14bf8bd083d4b43a5ae8cd7d5a6ce03")
@@ -25,6 +25,7 @@ _CODE_STREAM, _SIGNED = b"\xff\x4f\xff\x51", 128
 
 
 _MAX_SIDE = (1 << 31) - 1
+_OTHER_RGB = {20: "e-sRGB", 21: "ROMM-RGB"}
 _OPACITY, _PREMULTIPLIED = 1, 2
 """Kinds of channels that are no colours."""
 
@@ -110,6 +111,12 @@ def _channels(data: Bytes) -> set[tuple[int, int]]:
     (stated,) = struct.unpack(">H", data[at : at + 2]) if at is not None else (0,)
     places = range((at or 0) + 2, (at or 0) + 2 + 6 * stated, 6)
     return {struct.unpack(">HH", data[place : place + 4]) for place in places}
+
+
+def left_behind(data: Bytes) -> list[str]:
+    """The colour space, where it is RGB of another one than sRGB. Raises struct.error."""
+    name = _OTHER_RGB.get(colour_space(data) or 0)
+    return [f"colour space ({name})"] if name else []
 
 
 def colour_space(data: Bytes) -> int | None:

@@ -9,6 +9,7 @@ from sgicodec.metadata import (
     avif,
     extended_xmp,
     ifd,
+    jp2,
     jpeg,
     jxl,
     pages,
@@ -81,6 +82,8 @@ def left_behind(data: Bytes) -> list[str]:
             found = [f"{_COLOURS} (nclx)"] if colours and are_foreign(colours) else []
         elif jxl.is_boxed(data):
             found = [_PACKED] if jxl.has_unread(data) else []
+        elif jp2.is_boxed(data):
+            found = jp2.left_behind(data)
         elif photoshop.is_psd(data):
             found = photoshop.left_behind(data)
         elif radiance.is_radiance(data):

@@ -12,6 +12,7 @@ import tifffile
 from PIL import Image
 
 from sgicodec import open_source, read
+from sgicodec.errors import PictureError
 from sgicodec.image.source import ALPHA_IS_BAND
 from sgicodec.metadata import geo, ifd
 from sgicodec.metadata.gdal_items import named_bands, with_colours
@@ -84,6 +85,23 @@ def test_colours_of_a_jpeg_2000_may_be_multiplied_by_alpha(tmp_path: Path) -> No
     assert plain != multiplied
     np.testing.assert_array_equal(read(plain).pixels, pixels)
     np.testing.assert_array_equal(read(multiplied).pixels, np.tile(UNASSOCIATED, (16, 8, 1)))
+
+
+@pytest.mark.parametrize(
+    ("space", "notes"), [(16, ()), (21, ("not kept: colour space (ROMM-RGB)",)), (14, None), (9, None)]
+)
+def test_colour_spaces_of_jpeg_2000(space: int, notes: tuple[str, ...] | None, tmp_path: Path) -> None:
+    Image.fromarray(np.tile(COLOURS, (16, 8, 1))).save(tmp_path / "a.jp2")
+    srgb = b"colr" + struct.pack(">BBBI", 1, 0, 0, 16)
+    data = (tmp_path / "a.jp2").read_bytes()
+    assert srgb in data
+    data = data.replace(srgb, srgb[:-4] + struct.pack(">I", space))
+    if notes is None:
+        with pytest.raises(PictureError, match=f"JPEG 2000's space {space}, which is not converted"):
+            open_source(data)
+        return
+    with open_source(data) as source:
+        assert source.notes == notes
 
 
 def tiff(bands: np.ndarray, extra: int | None) -> bytes:
