@@ -38,6 +38,11 @@ and right, None none.
 """
 
 
+_ALPHA = (b"urn:mpeg:mpegB:cicp:systems:auxiliary:alpha", b"urn:mpeg:hevc:2015:auxid:1")
+_GAIN_MAP = b"tmap"
+"""What is said of an auxiliary picture that is alpha, and the kind of an item that a gain map makes."""
+
+
 class Still(NamedTuple):
     """The primary picture as it is stored: samples of so many bits; crop: what of it is meant to be seen; orientation:
     how that is turned then, 1 to 8; colours: numbers of primaries and transfer function, if nothing else states them.
@@ -50,6 +55,8 @@ class Still(NamedTuple):
     crop: Window
     orientation: int
     colours: tuple[int, int] | None = None
+    has_more: bool = False
+    """Whether there is a gain map, or another auxiliary picture than alpha, such as depth."""
 
 
 def is_avif(data: Bytes) -> bool:
@@ -87,12 +94,23 @@ def _still(data: Bytes) -> Still:
     bits, is_gray = _samples(own, listed)
     stated = {value[:4]: value[4:] for kind, value in own if kind == b"colr"}
     colours = struct.unpack_from(">HH", stated[b"nclx"]) if set(stated) == {b"nclx"} else None
-    return Still(width, height, bits, is_gray, *_transforms(own, width, height), colours)
+    has_aux = any(kind == b"auxC" and value[4:].rstrip(b"\0") not in _ALPHA for kind, value in listed)
+    has_more = has_aux or _GAIN_MAP in _kinds(meta, parts.get(b"iinf"))
+    return Still(width, height, bits, is_gray, *_transforms(own, width, height), colours, has_more)
 
 
 def _primary(pitm: bytes) -> int:
     form = ">I" if pitm[0] else ">H"
     return int(struct.unpack_from(form, pitm, 4)[0])
+
+
+def _kinds(meta: bytes, iinf: slice | None) -> list[bytes]:
+    """That of each item."""
+    if iinf is None:
+        return []
+    items = slice(iinf.start + (8 if meta[iinf.start] else 6), iinf.stop)
+    starts = (span.start for kind, span in boxes(meta, items) if kind == b"infe")
+    return [meta[at + 10 : at + 14] if meta[at] > 2 else meta[at + 8 : at + 12] for at in starts]
 
 
 def _properties(ipma: bytes, item: int) -> list[int]:

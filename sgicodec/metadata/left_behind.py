@@ -78,8 +78,9 @@ def left_behind(data: Bytes) -> list[str]:
         elif webp.is_webp(data):
             found = [_of_chunk(kind) for kind, _, _ in webp.chunks(data) if kind not in _WEBP_CHUNKS]
         elif avif.is_avif(data):
-            colours = avif.still(data).colours
-            found = [f"{_COLOURS} (nclx)"] if colours and are_foreign(colours) else []
+            still = avif.still(data)
+            found = [f"{_COLOURS} (nclx)"] if still.colours and are_foreign(still.colours) else []
+            found += ["further pictures (a gain map, depth)"] * still.has_more
         elif jxl.is_boxed(data):
             found = [_PACKED] if jxl.has_unread(data) else []
         elif jp2.is_boxed(data):

@@ -13,6 +13,7 @@ from image_files import by_pillow
 
 from sgicodec.errors import PictureError
 from sgicodec.metadata.avif import Still, still
+from sgicodec.metadata.left_behind import left_behind
 
 
 def box(kind: bytes, *contents: bytes) -> bytes:
@@ -34,8 +35,10 @@ def crop(*fields: int) -> bytes:
     return box(b"clap", struct.pack(">IIIIiIiI", *fields))
 
 
-def file(*properties: bytes, version: int = 0, wide: bool = False, own: int | None = None) -> bytes:
-    """A file of two pictures, the second of which is the primary one and has the first `own` properties, or all."""
+def file(*properties: bytes, version: int = 0, wide: bool = False, own: int | None = None, items: bytes = b"") -> bytes:
+    """A file of two pictures, the second of which is the primary one and has the first `own` properties, or all. items:
+    a box that lists what there is.
+    """
     count = len(properties) if own is None else own
     item, number = ">I" if version else ">H", ">H" if wide else ">B"
     essential = 0x8000 if wide else 0x80
@@ -45,7 +48,7 @@ def file(*properties: bytes, version: int = 0, wide: bool = False, own: int | No
     )
     associations = box(b"ipma", bytes([version, 0, 0, int(wide)]), struct.pack(">I", 2), rows)
     primary = box(b"pitm", bytes([version, 0, 0, 0]), struct.pack(item, 2))
-    meta = box(b"meta", bytes(4), primary, box(b"iprp", box(b"ipco", *properties), associations))
+    meta = box(b"meta", bytes(4), primary, items, box(b"iprp", box(b"ipco", *properties), associations))
     return box(b"ftyp", b"avif", bytes(4), b"avifmif1") + meta + box(b"mdat", bytes(10))
 
 
@@ -55,6 +58,30 @@ def file(*properties: bytes, version: int = 0, wide: bool = False, own: int | No
 def test_depth_and_size(version: int, wide: bool, flags: int, bits: int, is_gray: bool) -> None:
     data = file(SIZE, configuration(flags), version=version, wide=wide)
     assert still(data) == Still(60, 40, bits, is_gray, (0, 0, 60, 40), 1)
+
+
+def items(*kinds: bytes, version: int = 0) -> bytes:
+    count, number = (">I", ">I") if version else (">H", ">H")
+    entries = [
+        box(b"infe", bytes([2 + version, 0, 0, 0]), struct.pack(number, at), bytes(2), kind, b"\0")
+        for at, kind in enumerate(kinds)
+    ]
+    return box(b"iinf", bytes([version, 0, 0, 0]), struct.pack(count, len(kinds)), *entries)
+
+
+@pytest.mark.parametrize(
+    ("listed", "more", "is_said"),
+    [
+        (items(b"av01", b"Exif"), (), False),
+        (items(b"av01", b"tmap"), (), True),
+        (items(b"av01", b"tmap", version=1), (), True),
+        (b"", (box(b"auxC", bytes(4), b"urn:mpeg:mpegB:cicp:systems:auxiliary:alpha\0"),), False),
+        (b"", (box(b"auxC", bytes(4), b"urn:mpeg:mpegB:cicp:systems:auxiliary:depth\0"),), True),
+    ],
+)
+def test_further_pictures_are_said(listed: bytes, more: tuple[bytes, ...], is_said: bool) -> None:
+    data = file(SIZE, configuration(0), *more, items=listed)
+    assert left_behind(data) == ["further pictures (a gain map, depth)"] * is_said
 
 
 def test_crop_and_turn() -> None:
