@@ -133,15 +133,15 @@ static void draw(sgi_stream *stream, sgi_view view, const picture_format *format
   free(rows);
 }
 
-/* Says where other samples than the stream's own are those of the lossy picture. */
-static void tell_loss(const decode_options *options, sgi_stream *stream, int other_sample, const char *name) {
+/* Says where samples are those of the lossy picture. other: what they have that is not the stream's own, or NULL. */
+static void tell_loss(const decode_options *options, sgi_stream *stream, const char *other, const char *name) {
   const char *out = strcmp(options->out, "-") ? options->out : "stdout";
   double max_error;
   int exact_views;
   stop_at(sgi_get_max_error(stream, &max_error), name);
   stop_at(sgi_get_exact_views(stream, &exact_views), name);
-  if (other_sample && max_error >= 0 && !exact_views && !options->lossy)
-    complain("%s: samples are those of the lossy picture: its residual layer has the stream's depth alone", out);
+  if (other && max_error >= 0 && !exact_views && !options->lossy)
+    complain("%s: samples are those of the lossy picture: its residual layer has the stream's %s alone", out, other);
 }
 
 static void decode(const decode_options *options, sgi_stream *stream) {
@@ -168,7 +168,8 @@ static void decode(const decode_options *options, sgi_stream *stream) {
   draw(stream, view, format, state, (size_t)view.columns * info.channels * sample_bytes(view.sample), name);
   format->end(state);
   finish_output();
-  tell_loss(options, stream, view.sample != info.sample, name);
+  const int scaled = view.columns != view.width || view.rows != view.height;
+  tell_loss(options, stream, view.sample != info.sample ? "depth" : scaled ? "scale" : NULL, name);
 }
 
 int main(int count, char **arguments) {

@@ -5,12 +5,12 @@ from __future__ import annotations
 import contextlib
 import os
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from importlib import import_module
 from pathlib import Path
 from threading import Thread
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -85,6 +85,8 @@ class DecodeJob:
 
     def run(self, source: str, target: str | None) -> int:
         """Decodes one stream; returns the bytes of the picture."""
+        from sgicodec.decoder.levels import levels_of
+
         files = self.files
         if files.skip_existing and os.path.exists(target or with_extension(source, self.extension_of(source))):
             return 0
@@ -98,13 +100,15 @@ class DecodeJob:
             dtype, kind = _DTYPES[self.output.bits], self.output.pyramid_of(target)
             dtype = None if dtype == stream.header.sample_type else dtype
             lost = losses(stream.metadata, stream.nodata, extension, dtype, kind)
-            is_exact = stream.max_error is not None or stream.exact_bands
-            if dtype and is_exact and not (stream.has_exact_views or self.lossy):
-                lost.append("samples are those of the lossy picture: its residual layer has the stream's depth alone")
             self._load_writer(target, extension)
+            view = self.view.of(stream) | {"dtype": dtype}
             with self.limits.held(), path_for(target, extension) as path:
-                shown, channels = self._write(stream, path, extension, kind), stream.header.channels
+                shown, channels = self._write(stream, view, path, extension, kind), stream.header.channels
                 size = size_of(path)
+            is_exact = stream.max_error is not None or stream.exact_bands
+            if is_exact and not (stream.has_exact_views or self.lossy):
+                other = "depth" if dtype else "scale" if _is_scaled(stream, view, shown) else ""
+                lost += _lossy_samples(other, has_reductions=kind is not None and len(levels_of(*_size(shown))) > 1)
         for line in () if files.quiet else lost:
             click.echo(f"sgi: {display(target, 'stdout')}: {line}", err=True)
         if files.as_json:
@@ -135,17 +139,17 @@ class DecodeJob:
         with contextlib.suppress(ImportError):  # told by what writes it
             import_module(names[-1])
 
-    def _write(self, stream: Stream, path: Path, extension: str, pyramid: Pyramid | None) -> Bands | Picture:
+    def _write(
+        self, stream: Stream, view: dict[str, Any], path: Path, extension: str, pyramid: Pyramid | None
+    ) -> Bands | Picture:
         if self.lossy:
             check_below(stream)
         stream.exact, stream.dither, stream.lossy = self.exact, self.dither, self.lossy
         from sgicodec.image.formats import find
 
-        view = self.view.of(stream) | {"dtype": _DTYPES[self.output.bits]}
         bands = stream.bands(**view)
         whole = stream.grid.count == 1 and pyramid is None
-        is_scaled = (bands.width, bands.height) != (view["region"] or (0, 0, stream.width, stream.height))[2:]
-        is_exact = not (is_scaled or self.lossy or stream.max_error is None or view["dtype"])
+        is_exact = not (_is_scaled(stream, view, bands) or self.lossy or stream.max_error is None or view["dtype"])
         output = replace(self.output, is_exact=is_exact)
         rows = bands.height if whole else bands.rows
         if pyramid is None:
@@ -191,6 +195,23 @@ class DecodeJob:
         if self.output.pyramid and extension != "tif":
             raise UsageError(f"--pyramid and --cog write TIFF, not .{extension}")
         return extension
+
+
+def _is_scaled(stream: Stream, view: Mapping[str, Any], shown: Bands | Picture) -> bool:
+    return _size(shown) != (view["region"] or (0, 0, stream.width, stream.height))[2:]
+
+
+def _size(shown: Bands | Picture) -> tuple[int, int]:
+    return shown.width, shown.height
+
+
+def _lossy_samples(other: str, has_reductions: bool) -> list[str]:
+    """What to say of samples, or of reductions in a pyramid, that a residual layer does not have. other: what they have
+    that it has not.
+    """
+    which = "samples" if other else "reductions" if has_reductions else ""
+    layer = f"its residual layer has the stream's {other or 'scale'} alone"
+    return [f"{which} are those of the lossy picture: {layer}"] if which else []
 
 
 def _load(names: Iterable[str]) -> None:

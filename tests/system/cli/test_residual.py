@@ -8,7 +8,7 @@ import numpy as np
 from command import done, refused, sgi, told
 from PIL import Image
 
-from sgicodec import read
+from sgicodec import imwrite, read
 
 
 def test_a_picture_comes_back(picture: Path, tmp_path: Path) -> None:
@@ -17,6 +17,10 @@ def test_a_picture_comes_back(picture: Path, tmp_path: Path) -> None:
     done("decode", out, back)
     np.testing.assert_array_equal(read(back).pixels, read(picture).pixels)
     assert "those of the lossy picture" in sgi("decode", out, lossy, "--depth", 16).stderr
+    said = sgi("decode", out, lossy, "--scale", 0.5, "-f").stderr
+    assert "samples are those of the lossy picture: its residual layer has the stream's scale alone" in said
+    assert done("decode", out, lossy, "--region", "5,6,20,20", "-f").stderr == ""
+    assert done("decode", out, lossy, "--lossy", "--scale", 0.5, "-f").stderr == ""
     assert done("decode", out, lossy, "--lossy", "--depth", 8, "-f").stderr == ""
     assert (read(lossy).pixels != read(picture).pixels).any()
     facts = told("info", out)
@@ -25,6 +29,18 @@ def test_a_picture_comes_back(picture: Path, tmp_path: Path) -> None:
     assert sum(facts["parts"].values()) == out.stat().st_size
     assert "no sample is off" not in sgi("info", out).stdout
     assert "without loss" in sgi("info", out).stdout
+
+
+def test_that_reductions_are_lossy_is_said(tmp_path: Path) -> None:
+    """They are not the means of exact samples, as of a map of classes with nodata."""
+    areas = np.kron(np.random.default_rng(1).integers(1, 9, (5, 7)), np.ones((80, 80), int)).astype(np.uint8)
+    imwrite(tmp_path / "a.sgi", areas, nodata=1, effort=1)
+    said = done("decode", tmp_path / "a.sgi", tmp_path / "a.tif", "--pyramid").stderr
+    assert "reductions are those of the lossy picture: its residual layer has the stream's scale alone" in said
+    np.testing.assert_array_equal(read(tmp_path / "a.tif").pixels[..., 0], areas)
+    assert (
+        done("decode", tmp_path / "a.sgi", tmp_path / "a.tif", "--pyramid", "--region", "0,0,99,99", "-f").stderr == ""
+    )
 
 
 def test_it_is_added_and_taken_off(picture: Path, tmp_path: Path) -> None:

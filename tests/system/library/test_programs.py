@@ -86,6 +86,10 @@ def test_pictures_are_those_of_the_package(path: Path, sgidec: Path, formats: se
                 np.testing.assert_array_equal(read(out), stream.picture(dtype=dtype).pixels)
                 assert list(tmp_path.iterdir()) == [out]
                 out.unlink()
+        if is_lossy_elsewhere and stream.header.sample_type != "float32" and layout != "multi":
+            out, size = tmp_path / "a.pam", f"{stream.width // 2}x{stream.height}!"
+            assert b"the stream's scale alone" in run(sgidec, path, out, "--size", size).stderr
+            assert run(sgidec, path, out, "--size", size, "--lossy", "-f").stderr == b""
 
 
 @pytest.mark.parametrize(
