@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
+from sgicodec.bitstream.header import Header
 from sgicodec.encoder.division import Division, above_nothing, has_all_samples, is_quality_asked, some_of
 from sgicodec.encoder.input.graphic_windows import without_unseen_colours
 from sgicodec.encoder.input.windows import Windows
@@ -16,6 +17,7 @@ from sgicodec.metrics.jpeg_grid import jpeg_grid, jpeg_saving
 from sgicodec.metrics.psnr import luma
 from sgicodec.model.steps import quality_index
 from sgicodec.model.tile_grid import Rect
+from sgicodec.picture import nodata_samples
 
 __all__ = ["with_layer", "without_loss"]
 
@@ -36,9 +38,23 @@ def without_loss(windows: Windows, plan: Plan) -> Division:
         seen = without_unseen_colours(windows)
         return Division(seen, above_nothing(plan), Layer(seen, windows.shape.rounding, exact_views=True, is_off=True))
     if settings.quality is None:
-        lmbda = replace(settings, quality=_QUALITY_BELOW).fit_settings().lmbda
+        lmbda = replace(settings, quality=_QUALITY_BELOW).fit_settings().lmbda * _span(windows, plan.header) ** 2
         plan = plan.at(lmbda, quality_index(lmbda))
     return Division(windows, plan, Layer(windows, windows.shape.rounding, is_off=True))
+
+
+def _span(windows: Windows, header: Header) -> float:
+    """The range of samples of some blocks, nodata aside, in parts of what quality spans: classes of 8 bits may be near
+    each other.
+    """
+    if header.sample_type != "uint8":
+        return 1.0
+    low, high = 255, 0
+    for rect in some_of(list(block_rects(header))):
+        window = windows.read(*rect)
+        samples = window.pixels[..., : window.alpha][~nodata_samples(window)]
+        low, high = int(samples.min(initial=low)), int(samples.max(initial=high))
+    return max(1, high - low) / 255
 
 
 def with_layer(windows: Windows, plan: Plan) -> Division:

@@ -113,6 +113,17 @@ def test_what_an_error_changes_is_said() -> None:
     assert said_of_bands.startswith("an error of 1 either way spans all samples of band 2:")
 
 
+def test_near_classes_are_seen_at_other_scales() -> None:
+    """Though with nodata the lossy picture shows these views."""
+    classes = np.kron(RANDOM.integers(3, 7, (6, 8), np.uint8), np.ones((16, 16), np.uint8))
+    classes[:16, :48] = 255
+    data = encode(classes, nodata=255, effort=1)
+    np.testing.assert_array_equal(np.squeeze(decode(data)), classes)
+    half = np.squeeze(decode(data, scale=0.5, dtype="float32")) * 255
+    inner = np.kron(np.ones((6, 8), bool), np.pad(np.ones((4, 4), bool), 2)) & (classes[::2, ::2] != 255)
+    assert np.abs(half - classes[::2, ::2])[inner].mean() < 0.4
+
+
 def test_grays_of_a_scan_and_nothing_are_no_classes() -> None:
     assert (coded(17 * GRAYS)[0] != 17 * GRAYS).any()
     assert not coded(np.zeros((70, 90, 4), np.uint8))[0].any()
