@@ -16,7 +16,7 @@ from sgicodec.picture import Metadata
 
 __all__ = ["HeifReader"]
 
-_COUNTS = {"L": 1, "LA": 2, "RGB": 3, "RGBA": 4}
+_COUNTS = {"L": 1, "LA": 2, "RGB": 3, "RGBA": 4, "RGBa": 4}
 
 
 class HeifReader(DecodedPicture):

@@ -37,6 +37,15 @@ def test_colours_and_alpha(alpha: Any) -> None:
     np.testing.assert_array_equal(picture.pixels, pixels[..., : 3 if alpha == "none" else 4])
 
 
+def test_colours_that_are_multiplied_by_alpha() -> None:
+    alpha = np.where(PIXELS[..., :1] > 99, 255, 128).astype(np.uint8)
+    pixels = np.dstack([np.minimum(PIXELS, alpha), alpha])
+    picture = read(saved(pillow_heif.from_bytes(mode="RGBa", size=(64, 48), data=pixels.tobytes())))
+    assert picture.channels == "rgba"
+    expected = np.rint(pixels[..., :3] * (255.0 / alpha))
+    np.testing.assert_allclose(picture.pixels, np.dstack([expected, alpha]), rtol=0, atol=1)
+
+
 def test_ten_bits_become_sixteen() -> None:
     deep = np.arange(48 * 64 * 3).reshape(48, 64, 3) % 1024
     stored = pillow_heif.from_bytes(mode="RGB;10", size=(64, 48), data=deep.astype(np.uint16).tobytes())
