@@ -64,8 +64,9 @@ _BITS, _LOW, _HIGH = 258, 280, 281
 _PAGE_X, _PAGE_Y = 286, 287
 _ASKED = {_PHOTOMETRIC, _COLOUR_TABLE, _TIFF_IPTC, _TIFF_PHOTOSHOP, *_NAMED, _BITS, _LOW, _HIGH, _PAGE_X, _PAGE_Y}
 _FIRST_PRIVATE = 32768
-_IDLE_PRIVATE = {*range(32995, 32999), 50674, 50838, 59932, 59933}
-"""How samples are stored; bytes of ImageJ's; what Windows leaves room for."""
+_DNG = {*range(50706, 51200)} - {51023}  # of Fibics, who make microscopes
+_IDLE_PRIVATE = _DNG | {*range(32995, 32999), 33421, 33422, 37398, 50341, 50674, 59932, 59933}
+"""How samples are stored, or become a photograph (DNG, TIFF/EP); what printers and Windows leave; bytes of ImageJ's."""
 
 
 def left_behind(data: Bytes) -> list[str]:
