@@ -61,8 +61,20 @@ _SHORT, _PALETTE, _SEPARATED = 3, 3, 5
 _NAMED = {_TIFF_LAYERS: "layers", 50909: "GEO_METADATA", 50839: "ImageJ's LUTs, overlays or labels"}
 _NAMED |= {285: "PageName", 291: "GrayResponseCurve", 340: "SMinSampleValue", 341: "SMaxSampleValue"}
 _BITS, _LOW, _HIGH = 258, 280, 281
-_PAGE_X, _PAGE_Y = 286, 287
-_ASKED = {_PHOTOMETRIC, _COLOUR_TABLE, _TIFF_IPTC, _TIFF_PHOTOSHOP, *_NAMED, _BITS, _LOW, _HIGH, _PAGE_X, _PAGE_Y}
+_PAGE_X, _PAGE_Y, _INK_SET, _CMYK = 286, 287, 332, 1
+_ASKED = {
+    _PHOTOMETRIC,
+    _COLOUR_TABLE,
+    _TIFF_IPTC,
+    _TIFF_PHOTOSHOP,
+    *_NAMED,
+    _BITS,
+    _LOW,
+    _HIGH,
+    _PAGE_X,
+    _PAGE_Y,
+    _INK_SET,
+}
 _FIRST_PRIVATE = 32768
 _DNG = {*range(50706, 51200)} - {51023}  # of Fibics, who make microscopes
 _IDLE_PRIVATE = _DNG | {*range(32995, 32999), 33421, 33422, 37398, 50341, 50674, 59932, 59933}
@@ -190,7 +202,8 @@ def _of_tiff(data: Bytes) -> list[str]:
     entries = ifd.entries(data, _ASKED | stated_colours.TIFF_TAGS)
     stated, resources = entries.get(_PHOTOMETRIC), entries.get(_TIFF_PHOTOSHOP)
     photometric = None if stated is None else stated.short
-    found = [_INKS] if photometric == _SEPARATED else []
+    is_cmyk = _INK_SET not in entries or entries[_INK_SET].short == _CMYK
+    found = [_INKS if is_cmyk else "names of inks"] if photometric == _SEPARATED else []
     if photometric == _PALETTE:
         found.append(_palette(entries.get(_COLOUR_TABLE)))
     elif _COLOUR_TABLE in entries:

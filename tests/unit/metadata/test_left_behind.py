@@ -73,6 +73,14 @@ def described(**options: Any) -> bytes:
     return out.getvalue()
 
 
+def inks(kind: int) -> bytes:
+    """A TIFF of four inks, which are cyan, magenta, yellow and black (1) or others (2)."""
+    out = io.BytesIO()
+    tags = [(332, "H", 1, kind, True)]
+    tifffile.imwrite(out, np.zeros((4, 4, 4), np.uint8), photometric="separated", metadata=None, extratags=tags)
+    return out.getvalue()
+
+
 PAGE = ("PageName", "its position on a page")
 DAPI: dict[str, Any] = {"axes": "YX", "Channel": {"Name": ["DAPI"], "Color": [255]}, "Plane": {"ExposureTime": [0.1]}}
 XMP = b"http://ns.adobe.com/xap/1.0/\0<x/>"
@@ -143,6 +151,8 @@ PQ = chunk(b"cICP", bytes([9, 16, 0, 1]))
         (described(ome=True, metadata={"axes": "YX", "PhysicalSizeX": 0.5}), []),
         (described(ome=True, metadata={"axes": "YX", "SignificantBits": 12}), ["OME's SignificantBits"]),
         (described(ome=True, metadata=DAPI), ["OME's Color, ExposureTime, Channel Name"]),
+        (inks(1), ["inks (RGB instead)"]),
+        (inks(2), ["names of inks"]),
         (masked(), ["a mask"]),
         (classes(257), ["palette (RGB instead)"]),
         (classes(256), ["palette (RGB instead)"]),
