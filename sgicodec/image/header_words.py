@@ -30,6 +30,8 @@ _IDLE = {
 names.
 """
 _USUAL = {"PixelAspectRatio": (1.0,), "chromaticities": (*PRIMARIES, *WHITE)}
+_USUAL_GAMMA = "g22_rec709_scene"
+"""What OpenImageIO calls colours of a Targa whose gamma is 2.2, nearly that of sRGB."""
 _NO_TRANSFER = ("Undefined", "User defined", "Unspecified video")
 _PLAIN_NAMES = {"r", "g", "b", "a", "y", "red", "green", "blue", "alpha", "i", "channel"}
 _MAX_NAMES = 6
@@ -48,6 +50,9 @@ def not_kept(spec: ImageSpec, kind: str) -> list[str]:
         found.append("names of channels")
     if (transfer := spec.get("dpx:Transfer", "Undefined")) not in _NO_TRANSFER:
         found.append(f"colour space ({transfer})")
+    space = spec.get("oiio:ColorSpace", _USUAL_GAMMA)
+    if kind == "targa" and space != _USUAL_GAMMA:
+        found.append(f"colour space ({space.partition('_')[0]})")
     whole = (spec.full_x, spec.full_y, spec.full_width, spec.full_height)
     if (spec.x, spec.y, spec.width, spec.height) != whole:
         place = f"at {spec.x - spec.full_x}, {spec.y - spec.full_y}"

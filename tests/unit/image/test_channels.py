@@ -77,6 +77,14 @@ def test_colours_of_a_targa_may_be_multiplied_by_alpha() -> None:
     np.testing.assert_array_equal(picture.pixels, UNASSOCIATED)
 
 
+@pytest.mark.parametrize(("gamma", "said"), [((0, 0), None), ((22, 10), None), ((1, 1), "lin"), ((18, 10), "g18")])
+def test_the_gamma_of_a_targa_is_said(gamma: tuple[int, int], said: str | None) -> None:
+    data = bytearray(targa(COLOURS[..., ::-1], 0, 24, extension=0))
+    struct.pack_into("<HH", data, 18 + COLOURS.size + 478, *gamma)
+    with open_source(bytes(data)) as source:
+        assert source.notes == ((f"not kept: colour space ({said})",) if said else ())
+
+
 def test_colours_of_a_jpeg_2000_may_be_multiplied_by_alpha(tmp_path: Path) -> None:
     pixels = np.tile(ASSOCIATED, (16, 8, 1))
     Image.fromarray(pixels).save(tmp_path / "a.jp2")
