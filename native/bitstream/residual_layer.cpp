@@ -147,7 +147,8 @@ bool code_block(const ResidualBlock &block, Isa isa, Bits &bits, ResidualSamples
   if (block.form.colours()) return code_colours(block, isa, bits, given);
   float *samples = given.samples.data();
   const ChannelLayout layout = block.header.channels;
-  const bool is_rgb = !block.form.is_alpha && (layout == ChannelLayout::rgb || layout == ChannelLayout::rgba);
+  const bool has_all = int(block.form.channels.size()) == block.header.spec.channels;
+  const bool is_rgb = has_all && (layout == ChannelLayout::rgb || layout == ChannelLayout::rgba);
   const ResidualShape shape{block.width, block.height, is_rgb, block.form.grids};
   GridBlock drawn = on_grids(block.header, block.form, block.drawn, block.width, block.samples());
   hold_others(block, given.cells, block.form.grids.size(), drawn);
@@ -177,7 +178,7 @@ ResidualForm read_residual_form(const Header &header, Bytes start, size_t &at) {
   const bool has_all = header.masked != Masked::nodata && !header.has_exact;
   if (((flags & ~(kHasBits | others)) && !form.is_alpha) ||
       (form.is_alpha && (!has_all || header.alpha() < 0 || header.sample_type == SampleType::f32)) ||
-      ((flags & kHasBands) && header.channels != ChannelLayout::multi) ||
+      ((flags & kHasBands) && header.alpha() >= 0) ||
       (form.has_bits && header.sample_type != SampleType::f32) ||
       ((flags & (kHasPalette | kHasCells)) && !form.has_views) || (form.has_views && !has_all))
     corrupt("it has flags that do not go with the picture");

@@ -13,6 +13,7 @@ from sgicodec.encoder.division import some_of
 from sgicodec.encoder.input.windows import Windows
 from sgicodec.encoder.plan import Plan
 from sgicodec.encoder.residual_form import DistinctPixels, Repeats, block_rects
+from sgicodec.metadata import geo
 from sgicodec.metadata.layouts import alpha_index, band_ranges
 
 __all__ = ["bands_of_classes", "lost_bands"]
@@ -21,7 +22,7 @@ _MAX_VALUES, _MAX_SCATTERED = 64, 16
 """Where most pixels are as the one to their left, and where not."""
 _NEAR_LEVELS = 16
 """Within so many levels of 8 bits all values change at the usual quality. Scattered ones that lie farther apart may be
-the grays of a scan."""
+the grays of a scan, but of a map."""
 _ONE_VALUE = 1e-6
 """Parts of a sample that the range of a single value spans at most."""
 _LOOK_ROWS = 8
@@ -30,13 +31,14 @@ _LOOK_ROWS = 8
 
 def bands_of_classes(windows: Windows, plan: Plan) -> tuple[int, ...]:
     """Which channels hold classes, from 0 on: all where they have few values together, and a layer can keep them; else
-    bands without a meaning that have few by themselves, and may change.
+    bands without a meaning that have few by themselves, and may change; of a map, colours too: GDAL calls three bands of
+    8 bits red, green and blue.
     """
     if math.isinf(windows.shape.rounding):
         return ()
     if _holds_classes(windows, plan):
         return tuple(range(windows.shape.bands))
-    if plan.header.channels != "multi":
+    if plan.header.channels != "multi" and not (plan.header.channels == "rgb" and _is_map(windows, plan)):
         return ()
     left = {band: (DistinctPixels(_MAX_VALUES), Repeats()) for band in range(windows.shape.bands)}
     for pixels in _blocks(windows, plan):
@@ -56,7 +58,7 @@ def _holds_classes(windows: Windows, plan: Plan) -> bool:
         return False  # it shows nothing
     if repeats.are_usual:
         return True
-    is_near = values.known.dtype != np.uint8 or bool(np.ptp(values.known) < _NEAR_LEVELS)
+    is_near = values.known.dtype != np.uint8 or bool(np.ptp(values.known) < _NEAR_LEVELS) or _is_map(windows, plan)
     return len(values.known) <= _MAX_SCATTERED and is_near
 
 
@@ -70,6 +72,11 @@ def lost_bands(plan: Plan, max_error: float) -> list[int]:
         for band, (low, high) in ranges
         if (_ONE_VALUE * abs(high) if is_float else 1) < high - low <= 2 * max_error
     ]
+
+
+def _is_map(windows: Windows, plan: Plan) -> bool:
+    """Whether samples are data of a place, or of one that lacks some."""
+    return plan.header.masked == "nodata" or geo.has_place(windows.shape.metadata.geo)
 
 
 def _may_change(values: NDArray[Any], repeats: Repeats, plan: Plan) -> bool:

@@ -9,9 +9,11 @@ from typing import Any
 import numpy as np
 import pytest
 import tifffile
+from tags import TIED, geo_of
 
-from sgicodec import decode, encode
+from sgicodec import Picture, decode, encode
 from sgicodec.decoder.stream import open_stream
+from sgicodec.picture import Metadata
 
 RANDOM = np.random.default_rng(8)
 AREAS = (np.abs(np.add.outer(np.arange(70) - 30, RANDOM.integers(-3, 4, 90))) // 12).astype(np.uint8)  # 0 to 3
@@ -21,10 +23,11 @@ PHOTOGRAPH = RANDOM.integers(0, 256, (70, 90, 2), np.uint8)
 GRAYS = RANDOM.integers(0, 16, (70, 90), np.uint8)
 
 
-def coded(pixels: np.ndarray, **how: Any) -> tuple[np.ndarray, list[str]]:
+def coded(pixels: np.ndarray | Picture, **how: Any) -> tuple[np.ndarray, list[str]]:
     """What comes back, and what is said."""
     with warnings.catch_warnings(record=True) as said:
         data = encode(pixels, effort=1, **how)
+    pixels = pixels.pixels if isinstance(pixels, Picture) else pixels
     return decode(data).reshape(pixels.shape), [str(one.message) for one in said]
 
 
@@ -96,6 +99,29 @@ def test_what_changes_is_said() -> None:
     assert coded(np.dstack([PHOTOGRAPH, AREAS]), channels="multi", lmbda=0.01)[1] == [
         "few values, as of classes and masks, change in band 3: encode them apart, or use --lossless"
     ]
+
+
+def on_a_map(pixels: np.ndarray) -> Picture:
+    channels = "gray" if pixels.ndim == 2 else "rgb"
+    return Picture(np.atleast_3d(pixels), channels, (0, 255), Metadata(geo=geo_of(TIED)))
+
+
+def test_directions_of_flow_come_back() -> None:
+    """Scattered values that lie far apart: on a map, no grays of a scan."""
+    directions = (1 << RANDOM.integers(0, 8, (70, 90))).astype(np.uint8)
+    for picture, how in ((on_a_map(directions), {}), (directions, {"nodata": 128, "channels": "gray"})):
+        found = np.squeeze(decode(encode(picture, effort=1, **how)))
+        np.testing.assert_array_equal(found, directions)
+
+
+def test_classes_that_are_called_colours_come_back() -> None:
+    """On a map; else they may be a photograph's."""
+    bands = np.dstack([PHOTOGRAPH, SCATTERED])
+    found, said = coded(on_a_map(bands))
+    np.testing.assert_array_equal(found[..., 2], SCATTERED)
+    assert (found[..., :2] != PHOTOGRAPH).any()
+    assert said == []
+    assert (coded(bands)[0] != bands).any(axis=(0, 1)).all()
 
 
 def test_what_an_error_changes_is_said() -> None:
