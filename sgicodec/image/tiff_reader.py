@@ -24,7 +24,9 @@ __all__ = ["TiffReader", "left_to_gdal"]
 Samples = npt.NDArray[Any]
 
 _COMPRESSION, _STRIPS, _STRIP_BYTES, _TILES, _TILE_BYTES = 259, 273, 279, 324, 325
-_PHOTOMETRIC, _COLOURS = 262, 320
+_PHOTOMETRIC, _SAMPLES, _COLOURS = 262, 277, 320
+_JPEG, _SHOWN = 7, (1, 3)
+"""Of JPEG, OpenImageIO has libtiff make what a screen shows, RGB and alpha; so many bands come as they are."""
 _KNOWN = (0, 1, 2, 3, 4, 5, 6, 7, 8, 32766, 32771, 32773, 32809, 32946, 34676, 34677, 50001)
 """Compressions that OpenImageIO's libtiff reads; 0 where none is stated."""
 _NAMES = {50000: "ZSTD", 34887: "LERC", 34925: "LZMA", 50002: "JPEG XL", 52546: "JPEG XL", 34712: "JPEG 2000"}
@@ -42,16 +44,21 @@ _PROGRAM = "convert it first, as with gdal_translate -co COMPRESS=DEFLATE IN a.t
 
 def left_to_gdal(data: Bytes) -> str | None:
     """Why OpenImageIO does not read the samples of the first page of a TIFF file; None if it does."""
-    found = ifd.entries(data, {_COMPRESSION, _STRIPS, _STRIP_BYTES, _TILES, _TILE_BYTES, _PHOTOMETRIC, _COLOURS})
+    asked = {_COMPRESSION, _STRIPS, _STRIP_BYTES, _TILES, _TILE_BYTES, _PHOTOMETRIC, _SAMPLES, _COLOURS}
+    found = ifd.entries(data, asked)
     compression = found[_COMPRESSION].short if _COMPRESSION in found else 0
     if compression not in _KNOWN:
         return f"it is compressed by {_NAMES.get(compression, f'method {compression}')}"
+    photometric = found[_PHOTOMETRIC].short if _PHOTOMETRIC in found else None
+    bands = found[_SAMPLES].short if _SAMPLES in found else 1
+    if compression == _JPEG and bands not in _SHOWN and photometric != _INKS:
+        return f"it is compressed by JPEG in {bands} bands"
     for offsets, lengths in ((_STRIPS, _STRIP_BYTES), (_TILES, _TILE_BYTES)):
         at, size = _numbers(found.get(offsets)), _numbers(found.get(lengths))
         if len(at) == len(size) and ((at == 0) & (size == 0)).any():
             return "it is sparse, some of its strips or tiles are not there"
     colours = _numbers(found.get(_COLOURS))
-    if _PHOTOMETRIC in found and found[_PHOTOMETRIC].short == _PALETTE and 0 < colours.max(initial=0) < 256:
+    if photometric == _PALETTE and 0 < colours.max(initial=0) < 256:
         return "the colours of its palette have 8 bits"  # of 16, of which OpenImageIO makes black
     return None
 

@@ -73,6 +73,28 @@ def test_compressions(tmp_path: Path, compression: str, layout: dict[str, Any], 
     check(path, np.moveaxis(pixels, 0, -1))
 
 
+BANDS = [*(("MINISBLACK", bands) for bands in range(1, 5)), ("RGB", 3), ("RGB", 4)]
+
+
+@pytest.mark.parametrize(
+    ("photometric", "bands", "interleave"),
+    [*((*bands, "pixel") for bands in BANDS), *((*bands, "band") for bands in (*BANDS, ("RGB", 5)))],
+)
+@pytest.mark.parametrize("alpha", [{}, {"alpha": "YES"}])
+def test_bands_in_jpeg_are_those_that_gdal_reads(
+    tmp_path: Path, photometric: str, bands: int, interleave: str, alpha: dict[str, str]
+) -> None:
+    """Where they are neither gray nor RGB, OpenImageIO gives the first three times and an alpha of 255."""
+    y, x = np.mgrid[:HEIGHT, :WIDTH]
+    pixels = np.stack([(x * (band + 1) + 40 * band + y) % 256 // 2 for band in range(bands)]).astype(np.uint8)
+    options = {"compress": "JPEG", "photometric": photometric, "interleave": interleave, **alpha}
+    path = save(tmp_path / "x.tif", pixels, **options)
+    with rasterio.open(path) as file:
+        expected = np.moveaxis(file.read(), 0, -1).astype(int)
+    found = read(path, alpha="band").pixels.astype(int)
+    np.testing.assert_allclose(found, expected, rtol=0, atol=3)
+
+
 def test_samples_are_what_openimageio_makes_of_them(tmp_path: Path) -> None:
     """DEFLATE is read by OpenImageIO, ZSTD by GDAL."""
     kinds: dict[str, tuple[np.ndarray, dict[str, Any]]] = {
