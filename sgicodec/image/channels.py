@@ -16,7 +16,7 @@ __all__ = ["AsIs", "Channels", "Last", "declared_channels"]
 Last = Literal["alpha", "band", "unused"]
 """What the last of two or four channels is: alpha, a band like the others, or bytes without a meaning."""
 
-_EXTRA_SAMPLES, _SAMPLES_PER_PIXEL = 338, 277
+_EXTRA_SAMPLES, _SAMPLES_PER_PIXEL, _DEPTH = 338, 277, 32997
 _BITFIELDS = 3
 _BMP_HEADER, _INFO_HEADER, _MIN_WITH_ALPHA = 14, 40, 56
 """Bytes of the file header, and of the oldest information headers that have a compression and a mask of alpha."""
@@ -113,7 +113,9 @@ def _jpegxl(data: Bytes) -> Channels:
 
 def _tiff(data: Bytes) -> Last:
     """Extra samples are alpha where they are declared at all, unless GDAL calls the last band something else."""
-    directory = ifd.entries(data, {_EXTRA_SAMPLES, _SAMPLES_PER_PIXEL, geo.GDAL_METADATA})
+    directory = ifd.entries(data, {_EXTRA_SAMPLES, _SAMPLES_PER_PIXEL, _DEPTH, geo.GDAL_METADATA})
+    if _DEPTH in directory and directory[_DEPTH].short > 1:
+        raise PictureError(f"it is a volume of {directory[_DEPTH].short} planes; only flat pictures can be read")
     count, text = directory.get(_SAMPLES_PER_PIXEL), directory.get(geo.GDAL_METADATA)
     if _EXTRA_SAMPLES not in directory:
         return "band"

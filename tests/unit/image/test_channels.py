@@ -140,6 +140,14 @@ def test_only_declared_alpha_of_a_tiff_is_alpha(extra: int | None, alpha: Any, c
     np.testing.assert_array_equal(picture.pixels, BOTH)
 
 
+def test_a_volume_in_a_single_page_is_refused(tmp_path: Path) -> None:
+    """Of which OpenImageIO gives the first plane."""
+    planes = np.zeros((3, 32, 32), np.uint8)
+    tifffile.imwrite(tmp_path / "a.tif", planes, volumetric=True, tile=(2, 16, 16), photometric="minisblack")
+    with pytest.raises(PictureError, match="it is a volume of 3 planes"):
+        open_source(tmp_path / "a.tif")
+
+
 @pytest.mark.parametrize(("colour", "layout"), [("alpha", "rgba"), ("undefined", "multi")])
 def test_gdal_has_the_word_on_the_last_band_of_a_tiff(colour: str, layout: str, tmp_path: Path) -> None:
     """Near infrared that is declared as alpha, which GDAL's metadata call undefined."""
