@@ -42,7 +42,7 @@ _UINT16_ZERO = 1 << 15
 _ASSOCIATED = ("openexr", "tiff")
 """Formats that store premultiplied alpha unless OpenImageIO says that this file does not."""
 
-_SECOND_IS_ALPHA = ("sgi", "targa")
+_SECOND_IS_ALPHA = ("jpegxl", "sgi", "targa")
 """Formats whose second of two channels is alpha although OpenImageIO does not name it so."""
 
 ALREADY_UPRIGHT = ("jpegxl",)

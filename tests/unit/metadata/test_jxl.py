@@ -12,7 +12,7 @@ import pytest
 from image_files import save
 from tags import exif_blob
 
-from sgicodec import open_source
+from sgicodec import open_source, read
 from sgicodec.errors import PictureError, UsageError
 from sgicodec.metadata import exif
 from sgicodec.metadata.jxl import find
@@ -69,6 +69,14 @@ def test_colours_that_are_multiplied_by_alpha() -> None:
         found = source.read(0, 0, 40, 30).pixels
     np.testing.assert_array_equal(found[9:], pixels[9:])
     np.testing.assert_array_equal(found[:9, :, :3], np.rint(pixels[:9, :, :3] * (65535 / 20000)))
+
+
+@pytest.mark.parametrize("dtype", ["uint8", "uint16", "float32"])
+def test_gray_with_alpha(dtype: str) -> None:
+    pixels = np.random.default_rng(6).integers(0, 2, (30, 40, 2)).astype(dtype)
+    picture = read(imagecodecs.jpegxl_encode(pixels, lossless=True))
+    assert picture.channels == "gray+alpha"
+    np.testing.assert_array_equal(picture.pixels, pixels)
 
 
 @pytest.mark.parametrize("count", [1, 2, 3])
