@@ -11,7 +11,7 @@ from sgicodec.errors import PictureError
 from sgicodec.image.opened import Opened
 from sgicodec.metadata.orientation import is_flipped, is_sideways
 
-__all__ = ["MAX_KEPT", "Access", "KeptRows", "Rows", "Tiles", "Whole", "access", "whole"]
+__all__ = ["MAX_KEPT", "Access", "KeptRows", "Rows", "Tiles", "access", "whole"]
 
 Samples = npt.NDArray[Any]
 
@@ -42,17 +42,15 @@ def access(opened: Opened, keeps: bool = False) -> Access:
     """The way with the least memory for this picture. keeps: rows of a picture of up to MAX_KEPT bytes stay in memory
     once they were read.
 
-    A picture whose rows must be read in another order than they are decoded in is kept whole. So are 64-bit floats:
-    OpenImageIO 3.2 returns garbage for a part of their rows.
+    So do those of a picture whose rows must be read in another order than they are decoded in.
     """
-    if opened.spec.tile_width:
+    spec = opened.spec
+    if spec.tile_width:
         return Tiles(opened)
     backward = is_flipped(opened.orientation) and opened.kind not in _ANY_ROW
-    if backward or is_sideways(opened.orientation) or not opened.reads_parts:
-        return Whole(opened)
-    spec = opened.spec
     is_small = spec.width * spec.height * spec.nchannels * opened.native.itemsize <= MAX_KEPT
-    return KeptRows(opened) if keeps and is_small else Rows(opened)
+    is_kept = backward or is_sideways(opened.orientation) or not opened.reads_parts or (keeps and is_small)
+    return KeptRows(opened) if is_kept else Rows(opened)
 
 
 class Tiles:
@@ -66,7 +64,7 @@ class Tiles:
         spec = self._opened.spec
         left = x - x % spec.tile_width
         right = min(left - (left - x - width) // spec.tile_width * spec.tile_width, spec.width)
-        window = np.empty((height, width, spec.nchannels), self._opened.native)
+        window = _empty(self._opened, height, width)
         for top in range(y - y % spec.tile_height, y + height, spec.tile_height):
             bottom = min(top + spec.tile_height, spec.height)
             where = (spec.x + left, spec.x + right, spec.y + top, spec.y + bottom, 0, 1)
@@ -93,7 +91,8 @@ class Rows:
         # libtiff reads compressed planes in whole strips only. Where a picture's first row is not row 0, OpenImageIO
         # takes strips to begin at other rows than they do.
         in_strips = opened.spec.get("planarconfig") == "separate" or opened.spec.y != 0
-        self._step = min(opened.spec.get_int_attribute("tiff:RowsPerStrip", 1), opened.spec.height) if in_strips else 1
+        strip = opened.spec.get_int_attribute("tiff:RowsPerStrip", 1) if in_strips else 1
+        self._step = min(strip, opened.spec.height) if opened.reads_parts else opened.spec.height
         self._row_samples = int(opened.spec.width * opened.spec.nchannels)
         self._first = 0
         self._band = self._empty(0)
@@ -101,7 +100,7 @@ class Rows:
         """The row that OpenImageIO stands at."""
 
     def _empty(self, rows: int) -> Samples:
-        return np.empty((rows, self._opened.spec.width, self._opened.spec.nchannels), self._opened.native)
+        return _empty(self._opened, rows, self._opened.spec.width)
 
     def read(self, x: int, y: int, width: int, height: int) -> Samples:
         """As `Access` says."""
@@ -163,7 +162,7 @@ class Rows:
 
 
 class KeptRows(Rows):
-    """The same for pictures that are read several times: keeps all rows from the first to the last that was read."""
+    """The same where rows are read several times: keeps all from the first to the last that was read."""
 
     def __init__(self, opened: Opened) -> None:
         super().__init__(opened)
@@ -182,35 +181,17 @@ class KeptRows(Rows):
         return self._opened.spec.height
 
 
-class Whole:
-    """For all others: keeps the whole picture."""
-
-    def __init__(self, opened: Opened) -> None:
-        self._opened = opened
-        self._pixels: Samples | None = None
-
-    def read(self, x: int, y: int, width: int, height: int) -> Samples:
-        """As `Access` says."""
-        if self._pixels is None:
-            self._pixels = whole(self._opened)
-        return self._pixels[y : y + height, x : x + width].copy()
-
-    def held(self, width: int, height: int) -> int:
-        """As `Access` says."""
-        spec = self._opened.spec
-        return int((spec.width * spec.height + width * height) * spec.nchannels)
-
-
 def whole(opened: Opened) -> Samples:
     """All stored samples [H, W, C] in their native type. Raises PictureError.
 
-    They are read part by part: OpenImageIO's own way takes their memory twice, and serves 64-bit floats alone, whose
-    rows it cannot read in parts.
+    They are read part by part: OpenImageIO's own way takes their memory twice.
     """
     spec = opened.spec
-    if not opened.reads_parts:
-        return opened.samples(opened.image.read_image, spec.height)
+    return Tiles(opened).read(0, 0, spec.width, spec.height) if spec.tile_width else Rows(opened).whole()
+
+
+def _empty(opened: Opened, rows: int, columns: int) -> Samples:
     try:
-        return Tiles(opened).read(0, 0, spec.width, spec.height) if spec.tile_width else Rows(opened).whole()
+        return np.empty((rows, columns, opened.spec.nchannels), opened.native)
     except MemoryError:
         raise PictureError("there is not enough memory for its pixels") from None
