@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <exception>
-#include <mutex>
-#include <optional>
 #include <string>
 
 #include "base/crc32.hpp"
@@ -51,59 +49,34 @@ uint32_t joined_crc(const std::vector<uint32_t> &crcs) {
 
 }  // namespace
 
-struct Stream::Parts {
-  Parts(std::unique_ptr<ByteSource> source, const DecoderSettings &given, bool is_overview)
-      : settings(given), chunks(std::move(source), is_overview), tiles(chunks, settings) {
-    nodata = nodata_of(chunks.header());
-  }
-
-  const DecoderSettings settings;
-  StreamReader chunks;
-  TileCache tiles;
-  std::optional<double> nodata;
-  std::unique_ptr<ExactBlocks> exact_blocks;
-  std::optional<Survey> survey;
-  std::vector<uint8_t> overview_bytes;
-  std::unique_ptr<Stream> overview;
-  std::recursive_mutex turn;
-};
-
-Stream::Stream(std::unique_ptr<ByteSource> source, const DecoderSettings &settings)
-    : Stream(std::move(source), settings, false) {}
-
 Stream::Stream(std::unique_ptr<ByteSource> source, const DecoderSettings &settings, bool is_overview)
-    : parts_(std::make_unique<Parts>(std::move(source), settings, is_overview)) {}
-
-Stream::~Stream() = default;
-
-const StreamReader &Stream::chunks() const { return parts_->chunks; }
-
-const Header &Stream::header() const { return parts_->chunks.header(); }
+    : settings_(settings), chunks_(std::move(source), is_overview), tiles_(chunks_, settings_),
+      nodata_(nodata_of(chunks_.header())) {}
 
 std::vector<uint8_t> Stream::tile(int64_t number) {
-  const Lock lock(parts_->turn);
-  return parts_->chunks.tile(number);
+  const Lock lock(turn_);
+  return chunks_.tile(number);
 }
 
 void Stream::set_blank(double sample) {
-  const Lock lock(parts_->turn);
-  parts_->nodata = sample;
+  const Lock lock(turn_);
+  nodata_ = sample;
 }
 
 void Stream::prepare(const PictureView &view, bool exact) {
-  const Lock lock(parts_->turn);
+  const Lock lock(turn_);
   const InnerView inner = inner_view(view, header().width, header().height);
   if (inner.view.rows == 0 || inner.view.columns == 0) return;
   if (has_overview() && !exact)
     if (const auto small = overview_view(header().width, header().height, inner.view))
       return overview().prepare(*small, true);
-  decode_tiles(header(), parts_->tiles, inner.view, parts_->settings.between);
+  decode_tiles(header(), tiles_, inner.view, settings_.between);
 }
 
 void Stream::draw(const PictureView &view, int64_t top, int64_t rows, Output output, const DrawOptions &options,
                   void *out, int64_t stride) {
-  const Lock lock(parts_->turn);
-  const SampleFormat format(header(), output, parts_->nodata, parts_->settings.isa);
+  const Lock lock(turn_);
+  const SampleFormat format(header(), output, nodata_, settings_.isa);
   const PixelBlock block{out, view.columns, rows, stride / format.sample_bytes()};
   const InnerView inner = inner_view(view, header().width, header().height);
   if (inner.view.columns == view.columns && inner.view.rows == view.rows)
@@ -120,72 +93,72 @@ void Stream::draw_inside(const PictureView &view, int64_t top, const PixelBlock 
   if (has_overview() && !options.exact)
     if (const auto small = overview_view(header().width, header().height, view)) {
       Stream &shown = overview();
-      const Lock lock(shown.parts_->turn);
+      const Lock lock(shown.turn_);
       return shown.draw_inside(*small, top, block, output, options);
     }
-  const SampleFormat format(header(), output, parts_->nodata, parts_->settings.isa);
-  const Drawing drawing{format, options.dither && format.is_dithered(header().sample_type), parts_->settings.threads,
-                        parts_->settings.between};
+  const SampleFormat format(header(), output, nodata_, settings_.isa);
+  const Drawing drawing{format, options.dither && format.is_dithered(header().sample_type), settings_.threads,
+                        settings_.between};
   ExactBlocks *blocks = options.lossy ? nullptr : exact_blocks();
   const bool is_whole = view.is_plain() && output == own_output(header()), is_alpha = blocks && blocks->is_alpha();
   if (!blocks || !(is_whole || is_alpha || blocks->has_views()))
-    return draw_view(header(), parts_->tiles, view, top, block, drawing);
+    return draw_view(header(), tiles_, view, top, block, drawing);
   // nodata: whatever `set_blank` says
   const SampleFormat source(header(), own_output(header()), nodata_of(header()), format.isa);
   const Drawing plain{source, false, drawing.threads, drawing.between};
   const auto draw = [&](const ExactBlocks::Place &at, const PixelBlock &out) {
     const PictureView whole{double(at.x), double(at.y), 1, 1, at.width, at.height};
-    draw_view(header(), parts_->tiles, whole, 0, out, plain);
+    draw_view(header(), tiles_, whole, 0, out, plain);
   };
   if (!blocks->has_all_channels() || (!is_whole && blocks->has_cells()))
-    draw_view(header(), parts_->tiles, view, top, block, drawing);
+    draw_view(header(), tiles_, view, top, block, drawing);
   if (is_whole) return blocks->fill(int64_t(view.x), int64_t(view.y) + top, block, header().sample_type, draw);
   ExactView{header(), view, format, draw, drawing.dither, drawing.threads}.fill(*blocks, top, block);
 }
 
 bool Stream::has_exact_views() {
-  const Lock lock(parts_->turn);
+  const Lock lock(turn_);
   const ExactBlocks *blocks = exact_blocks();
   return blocks && (blocks->has_views() || blocks->is_alpha());
 }
 
 bool Stream::has_exact_alpha() {
-  const Lock lock(parts_->turn);
+  const Lock lock(turn_);
   const ExactBlocks *blocks = exact_blocks();
   return blocks && blocks->is_alpha();
 }
 
 double Stream::graphics_error() {
-  const Lock lock(parts_->turn);
+  const Lock lock(turn_);
   const ExactBlocks *blocks = exact_blocks();
   return blocks && blocks->has_cells() ? blocks->max_error() : -1;
 }
 
 ExactBlocks *Stream::exact_blocks() {
-  if (parts_->chunks.residual_bytes() < 0) return nullptr;
-  if (!parts_->exact_blocks) parts_->exact_blocks = std::make_unique<ExactBlocks>(parts_->chunks, parts_->settings);
-  return parts_->exact_blocks.get();
+  if (chunks_.residual_bytes() < 0) return nullptr;
+  if (!exact_blocks_) exact_blocks_ = std::make_unique<ExactBlocks>(chunks_, settings_);
+  return exact_blocks_.get();
 }
 
 double Stream::max_error() {
-  const Lock lock(parts_->turn);
+  const Lock lock(turn_);
   const ExactBlocks *blocks = exact_blocks();
   return blocks && !blocks->has_cells() && blocks->has_all_channels() ? blocks->max_error() : -1;
 }
 
 std::vector<int> Stream::exact_bands() {
-  const Lock lock(parts_->turn);
+  const Lock lock(turn_);
   const ExactBlocks *blocks = exact_blocks();
   return blocks && !blocks->is_alpha() && !blocks->has_all_channels() ? blocks->channels() : std::vector<int>{};
 }
 
 void Stream::check_residual() {
-  const Lock lock(parts_->turn);
-  parts_->chunks.check_residual();
+  const Lock lock(turn_);
+  chunks_.check_residual();
 }
 
 void Stream::check_exact() {
-  const Lock lock(parts_->turn);
+  const Lock lock(turn_);
   if (!exact_blocks()) return;
   check_residual();
   constexpr int64_t kSamples = int64_t(1) << 24;  // at a time, or a block
@@ -203,11 +176,11 @@ void Stream::check_exact() {
 }
 
 const Survey &Stream::survey() {
-  const Lock lock(parts_->turn);
-  if (parts_->survey) return *parts_->survey;
+  const Lock lock(turn_);
+  if (survey_) return *survey_;
   Survey found;
   std::vector<uint32_t> crcs;
-  parts_->tiles.for_each_fact([&](const TileFacts &facts) {
+  tiles_.for_each_fact([&](const TileFacts &facts) {
     found.seeds += facts.seeds;
     for (int part = 0; part < kParts; ++part) found.part_bytes[part] += facts.end.bits[part] / 8;
     if (header().masked != Masked::none || header().has_exact) found.mask_bytes += facts.mask_bytes;
@@ -215,37 +188,33 @@ const Survey &Stream::survey() {
     crcs.push_back(facts.end.symbol_crc);
   });
   found.symbol_crc = joined_crc(crcs);
-  return parts_->survey.emplace(found);
+  return survey_.emplace(found);
 }
 
-bool Stream::has_overview() const { return parts_->chunks.has_overview(); }
-
 Stream &Stream::overview() {
-  const Lock lock(parts_->turn);
-  if (parts_->overview) return *parts_->overview;
+  const Lock lock(turn_);
+  if (overview_) return *overview_;
   if (!has_overview()) throw Error(Fault::usage, "there is no overview");
-  parts_->overview_bytes = parts_->chunks.overview();
-  const Bytes bytes{parts_->overview_bytes.data(), parts_->overview_bytes.size()};
+  overview_bytes_ = chunks_.overview();
+  const Bytes bytes{overview_bytes_.data(), overview_bytes_.size()};
   try {
-    std::unique_ptr<Stream> small(new Stream(memory_source(bytes), parts_->settings, true));
+    auto small = std::make_unique<Stream>(memory_source(bytes), settings_, true);
     check_overview(small->header(), header());
-    parts_->overview = std::move(small);
+    overview_ = std::move(small);
   } catch (const Error &error) {
     throw Error(error.fault, std::string("overview: ") + error.what());
   }
-  return *parts_->overview;
+  return *overview_;
 }
 
-const std::vector<uint8_t> &Stream::overview_bytes() const { return parts_->overview_bytes; }
-
 const TileRenderer &Stream::renderer(int64_t number) {
-  const Lock lock(parts_->turn);
-  return parts_->tiles.tile(number);
+  const Lock lock(turn_);
+  return tiles_.tile(number);
 }
 
 Stream::Tiles Stream::tiles() {
-  const Lock lock(parts_->turn);
-  return {parts_->tiles.held(), parts_->tiles.decoded(), parts_->tiles.ahead()};
+  const Lock lock(turn_);
+  return {tiles_.held(), tiles_.decoded(), tiles_.ahead()};
 }
 
 }  // namespace sgi

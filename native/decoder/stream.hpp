@@ -3,6 +3,9 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <mutex>
+#include <optional>
+#include <vector>
 
 #include "bitstream/stream_reader.hpp"
 #include "bitstream/tile.hpp"
@@ -32,11 +35,11 @@ struct DrawOptions {
 // Several threads may use one at once; they take turns. What fails throws Error, or what the source throws.
 class Stream {
  public:
-  Stream(std::unique_ptr<ByteSource> source, const DecoderSettings &settings);
-  ~Stream();
+  // An overview in an overview is passed over: `is_overview`.
+  Stream(std::unique_ptr<ByteSource> source, const DecoderSettings &settings, bool is_overview = false);
 
-  const StreamReader &chunks() const;
-  const Header &header() const;
+  const StreamReader &chunks() const { return chunks_; }
+  const Header &header() const { return chunks_.header(); }
   std::vector<uint8_t> tile(int64_t number);  // the payload of its chunk
 
   // What pixels outside the picture hold, in samples of the source: at first nodata if the header has it, else 0.
@@ -65,9 +68,10 @@ class Stream {
   double graphics_error();
   // Channels that the residual layer has, where it does not have all, from 0 on.
   std::vector<int> exact_bands();
-  bool has_overview() const;
-  Stream &overview();                                  // throws Error (usage) where there is none
-  const std::vector<uint8_t> &overview_bytes() const;  // of the one that was asked for, else empty
+  bool has_overview() const { return chunks_.has_overview(); }
+  Stream &overview();  // throws Error (usage) where there is none
+  // Of the one that was asked for, else empty.
+  const std::vector<uint8_t> &overview_bytes() const { return overview_bytes_; }
 
   // A decoded tile; good until another one is asked for or rendered. Throws Error: corrupt, limit, region.
   const TileRenderer &renderer(int64_t number);
@@ -80,12 +84,19 @@ class Stream {
   Tiles tiles();
 
  private:
-  struct Parts;
-  Stream(std::unique_ptr<ByteSource> source, const DecoderSettings &settings, bool is_overview);
   void draw_inside(const PictureView &view, int64_t top, const PixelBlock &block, Output output,
                    const DrawOptions &options);
   ExactBlocks *exact_blocks();  // null without residual layer
-  std::unique_ptr<Parts> parts_;
+
+  const DecoderSettings settings_;
+  StreamReader chunks_;
+  TileCache tiles_;
+  std::optional<double> nodata_;
+  std::unique_ptr<ExactBlocks> exact_blocks_;
+  std::optional<Survey> survey_;
+  std::vector<uint8_t> overview_bytes_;
+  std::unique_ptr<Stream> overview_;
+  std::recursive_mutex turn_;
 };
 
 }  // namespace sgi
