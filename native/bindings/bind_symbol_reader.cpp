@@ -60,7 +60,8 @@ auto read_flags(SymbolReader &reader, const Array<const int32_t, 1> &ones) {
 
 auto read_bits(SymbolReader &reader, int bits, int64_t count) {
   require(bits >= 0 && bits <= 32 && count >= 0, "fields of 0 to 32 bits");
-  return flat(reader.wide_values(bits, count));
+  const std::vector<int32_t> found = reader.values(bits, count);
+  return flat(std::vector<uint32_t>(found.begin(), found.end()));
 }
 
 auto read_weights(SymbolReader &reader, int64_t count) {

@@ -261,7 +261,7 @@ Reading code_attributes(AttributeSymbols &coder, const AttributeModel &model, co
 
 Reading AttributeReader::code(const AttributeRun &run, int32_t *symbols) {
   const double before = decoder_.content();
-  const Reading reading = read_zero_centred(decoder_, tables_, run.tables, run.count(), symbols);
+  const Reading reading = read_zero_centred(decoder_, run.tables, run.count(), symbols);
   bits[run.number] += decoder_.content() - before;
   return reading;
 }

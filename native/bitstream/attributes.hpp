@@ -81,15 +81,13 @@ Reading code_attributes(AttributeSymbols &coder, const AttributeModel &model, co
 // The symbols of a payload.
 class AttributeReader : public AttributeSymbols {
  public:
-  AttributeReader(RangeDecoder &decoder, const ZeroCentred &tables, size_t groups)
-      : bits(groups), decoder_(decoder), tables_(tables) {}
+  AttributeReader(RangeDecoder &decoder, size_t groups) : bits(groups), decoder_(decoder) {}
   Reading code(const AttributeRun &run, int32_t *symbols) override;
 
   std::vector<double> bits;  // information content of every group
 
  private:
   RangeDecoder &decoder_;
-  const ZeroCentred &tables_;
 };
 
 }  // namespace sgi

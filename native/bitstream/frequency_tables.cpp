@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <utility>
 #include <vector>
 
 #include "bitstream/shipped.hpp"
@@ -27,38 +28,26 @@ SymbolModels escape_models() {
   return {frequencies.data(), start, 1};
 }
 
-class FrequencyTables {
- public:
-  FrequencyTables() : exponents_(escape_models()) {
-    const Bytes file = shipped_tables();
-    std::vector<int64_t> frequency;
-    const uint8_t *half = file.data + 2 * kTables;  // f(0), f(1), ..., f(S), f(escape) of each table
-    for (int table = 0; table < kTables; ++table) {
-      const auto support = int32_t(little_endian(file.data + 2 * table, 2));
-      support_.push_back(support);
-      start_.push_back(int64_t(frequency.size()));
-      for (int32_t n = -support; n <= support + 1; ++n) frequency.push_back(little_endian(half + 4 * std::abs(n), 4));
-      half += 4 * (support + 2);
-    }
-    start_.push_back(int64_t(frequency.size()));
-    models_.emplace_back(frequency.data(), start_.data(), kTables);
-    all = {models_.data(), support_.data(), &exponents_, kMaxMagnitude};
+FrequencyTables read_tables() {
+  const Bytes file = shipped_tables();
+  std::vector<int32_t> supports;
+  std::vector<int64_t> frequency, start{0};
+  const uint8_t *half = file.data + 2 * kTables;  // f(0), f(1), ..., f(S), f(escape) of each table
+  for (int table = 0; table < kTables; ++table) {
+    const auto support = int32_t(little_endian(file.data + 2 * table, 2));
+    supports.push_back(support);
+    for (int32_t n = -support; n <= support + 1; ++n) frequency.push_back(little_endian(half + 4 * std::abs(n), 4));
+    start.push_back(int64_t(frequency.size()));
+    half += 4 * (support + 2);
   }
-
-  ZeroCentred all;
-
- private:
-  std::vector<int32_t> support_;
-  std::vector<int64_t> start_;
-  std::vector<SymbolModels> models_;  // one object
-  SymbolModels exponents_;
-};
+  return {std::move(supports), {frequency.data(), start.data(), kTables}, escape_models()};
+}
 
 }  // namespace
 
-const ZeroCentred &zero_centred_tables() {
-  static const FrequencyTables tables;
-  return tables.all;
+const FrequencyTables &frequency_tables() {
+  static const FrequencyTables tables = read_tables();
+  return tables;
 }
 
 }  // namespace sgi

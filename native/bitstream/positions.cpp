@@ -11,7 +11,7 @@ namespace sgi {
 
 Seeds read_positions(SymbolReader &reader, int64_t width, int64_t height, int64_t most) {
   constexpr int kCountBits = 32, kShiftBits = 4;
-  const int64_t count = reader.wide_values(kCountBits, 1)[0];
+  const int64_t count = uint32_t(reader.number(kCountBits));
   if (count > most) throw Error(Fault::limit, "positions: more than " + std::to_string(most) + " seeds");
   if (!count) return {};
   const int shift = reader.number(kShiftBits);

@@ -98,6 +98,14 @@ bool RangeDecoder::decode(const SymbolModels &models, const int64_t *start, int6
 }
 
 bool RangeDecoder::decode_uniform(int bits, int64_t count, int32_t *out) {
+  constexpr int kPiece = 16;
+  if (bits > kPiece) {
+    std::vector<int32_t> low(static_cast<size_t>(count));
+    if (!decode_uniform(bits - kPiece, count, out) || !decode_uniform(kPiece, count, low.data())) return false;
+    for (int64_t i = 0; i < count; ++i) out[i] = int32_t(uint32_t(out[i]) << kPiece | uint32_t(low[size_t(i)]));
+    return true;
+  }
+  if (bits == 0) std::fill(out, out + count, 0), count = 0;
   const int shift = kPrecision - bits;
   for (int64_t i = 0; i < count; ++i) {
     uint64_t scale;

@@ -41,7 +41,8 @@ class RangeDecoder {
   // model that can occur. False where the payload does not decode.
   bool decode(const SymbolModels &models, const int64_t *start, int64_t keys, int32_t *out);
 
-  // Equally likely values of 1 to 16 bits.
+  // Equally likely values of at most 32 bits, of which 0 stand for nothing. Those of more than 16 are coded in two
+  // pieces, the high one of all first.
   bool decode_uniform(int bits, int64_t count, int32_t *out);
 
   // A bit that is 1 with a probability of one / 2^16, 0 < one < 2^16. False where the payload does not decode.

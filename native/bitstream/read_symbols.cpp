@@ -4,6 +4,8 @@
 #include <cstddef>
 #include <vector>
 
+#include "bitstream/frequency_tables.hpp"
+
 namespace sgi {
 namespace {
 
@@ -41,39 +43,24 @@ struct Grouped {
   }
 };
 
-// Values of `bits` bits; wide ones are coded in two pieces, the high one of all first.
-bool read_uniform(RangeDecoder &decoder, int bits, std::vector<int32_t> &values) {
-  constexpr int kPiece = 16;
-  const auto count = int64_t(values.size());
-  std::fill(values.begin(), values.end(), 0);
-  if (bits == 0 || count == 0) return true;
-  if (bits <= kPiece) return decoder.decode_uniform(bits, count, values.data());
-  std::vector<int32_t> low(values.size());
-  if (!decoder.decode_uniform(bits - kPiece, count, values.data())) return false;
-  if (!decoder.decode_uniform(kPiece, count, low.data())) return false;
-  for (std::size_t i = 0; i < values.size(); ++i) values[i] = values[i] << kPiece | low[i];
-  return true;
-}
-
 // Replaces the symbols at `where`, each one beyond its table's support: exponents, then mantissas by ascending
 // exponent, then signs.
-Reading read_escaped(RangeDecoder &decoder, const ZeroCentred &models, const int16_t *keys,
-                     const std::vector<int32_t> &where, int32_t *symbols) {
-  const auto exponents = int(models.exponents->symbols(0));
+Reading read_escaped(RangeDecoder &decoder, const int16_t *keys, const std::vector<int32_t> &where, int32_t *symbols) {
+  const FrequencyTables &tables = frequency_tables();
   std::vector<int32_t> exponent(where.size()), magnitude(where.size());
   const int64_t start[2] = {0, int64_t(where.size())};
-  if (!decoder.decode(*models.exponents, start, 1, exponent.data())) return Reading::kDamaged;
-  for (int e = 0; e < exponents; ++e) {
+  if (!decoder.decode(tables.exponents, start, 1, exponent.data())) return Reading::kDamaged;
+  for (int e = 0; e < int(tables.exponents.symbols(0)); ++e) {
     std::vector<int32_t> mantissa(std::size_t(std::count(exponent.begin(), exponent.end(), e)));
-    if (!read_uniform(decoder, e, mantissa)) return Reading::kDamaged;
+    if (!decoder.decode_uniform(e, int64_t(mantissa.size()), mantissa.data())) return Reading::kDamaged;
     auto next = mantissa.begin();
     for (std::size_t i = 0; i < where.size(); ++i)
-      if (exponent[i] == e) magnitude[i] = *next++ + (1 << e) + models.support[keys[where[i]]];
+      if (exponent[i] == e) magnitude[i] = *next++ + (1 << e) + tables.support[size_t(keys[size_t(where[i])])];
   }
   std::vector<int32_t> sign(where.size());
-  if (!read_uniform(decoder, 1, sign)) return Reading::kDamaged;
+  if (!decoder.decode_uniform(1, int64_t(sign.size()), sign.data())) return Reading::kDamaged;
   for (std::size_t i = 0; i < where.size(); ++i) {
-    if (magnitude[i] > models.most) return Reading::kTooLarge;
+    if (magnitude[i] > kMaxMagnitude) return Reading::kTooLarge;
     symbols[where[i]] = sign[i] ? -magnitude[i] : magnitude[i];
   }
   return Reading::kSound;
@@ -81,16 +68,16 @@ Reading read_escaped(RangeDecoder &decoder, const ZeroCentred &models, const int
 
 }  // namespace
 
-Reading read_zero_centred(RangeDecoder &decoder, const ZeroCentred &models, const int16_t *keys, int64_t n,
-                          int32_t *symbols) {
+Reading read_zero_centred(RangeDecoder &decoder, const int16_t *keys, int64_t n, int32_t *symbols) {
+  const FrequencyTables &tables = frequency_tables();
+  const int32_t *support = tables.support.data();
   Grouped grouped;
-  if (!grouped.read(decoder, *models.models, keys, n)) return Reading::kDamaged;
-  if (!ungroup_symbols(grouped.indices.data(), grouped.order.data(), keys, n, models.support, symbols))
-    return Reading::kSound;
+  if (!grouped.read(decoder, tables.models, keys, n)) return Reading::kDamaged;
+  if (!ungroup_symbols(grouped.indices.data(), grouped.order.data(), keys, n, support, symbols)) return Reading::kSound;
   std::vector<int32_t> where;
   for (int64_t i = 0; i < n; ++i)
-    if (symbols[i] > models.support[keys[i]]) where.push_back(int32_t(i));
-  return read_escaped(decoder, models, keys, where, symbols);
+    if (symbols[i] > support[keys[i]]) where.push_back(int32_t(i));
+  return read_escaped(decoder, keys, where, symbols);
 }
 
 }  // namespace sgi

@@ -6,18 +6,9 @@
 
 namespace sgi {
 
-// Zero-centred tables, and what reads the exponents behind an escape.
-struct ZeroCentred {
-  const SymbolModels *models;
-  const int32_t *support;  // of each table: symbols from -support to support, and an escape
-  const SymbolModels *exponents;
-  int32_t most;  // the largest magnitude
-};
-
 enum class Reading { kSound, kDamaged, kTooLarge };
 
-// The n symbols under the tables `keys` [n].
-Reading read_zero_centred(RangeDecoder &decoder, const ZeroCentred &models, const int16_t *keys, int64_t n,
-                          int32_t *symbols);
+// The n zero-centred symbols under the tables `keys` [n], escapes included.
+Reading read_zero_centred(RangeDecoder &decoder, const int16_t *keys, int64_t n, int32_t *symbols);
 
 }  // namespace sgi

@@ -1,6 +1,5 @@
 #include "bitstream/symbol_reader.hpp"
 
-#include <algorithm>
 #include <cstdio>
 #include <string>
 
@@ -38,21 +37,8 @@ void SymbolReader::require_sound(Reading reading) {
 
 std::vector<int32_t> SymbolReader::values(int bits, int64_t count) {
   std::vector<int32_t> found(static_cast<size_t>(count));
-  if (bits && !decoder_.decode_uniform(bits, count, found.data())) require_sound(Reading::kDamaged);
+  if (!decoder_.decode_uniform(bits, count, found.data())) require_sound(Reading::kDamaged);
   record(found.data(), count);
-  book(part_, double(bits) * double(count));
-  return found;
-}
-
-std::vector<uint32_t> SymbolReader::wide_values(int bits, int64_t count) {
-  constexpr int kPiece = 16;
-  std::vector<int32_t> high(static_cast<size_t>(count)), low(static_cast<size_t>(count));
-  const int above = std::max(bits - kPiece, 0), below = bits - above;
-  if (above && !decoder_.decode_uniform(above, count, high.data())) require_sound(Reading::kDamaged);
-  if (below && !decoder_.decode_uniform(below, count, low.data())) require_sound(Reading::kDamaged);
-  std::vector<uint32_t> found;
-  for (size_t i = 0; i < low.size(); ++i) found.push_back(uint32_t(high[i]) << kPiece | uint32_t(low[i]));
-  record(reinterpret_cast<const int32_t *>(found.data()), count);
   book(part_, double(bits) * double(count));
   return found;
 }
@@ -66,7 +52,7 @@ std::vector<int32_t> SymbolReader::zero_centred(int table, int64_t n) {
 
 void SymbolReader::zero_centred(const int16_t *tables, int64_t n, int32_t *symbols) {
   const double before = decoder_.content();
-  require_sound(read_zero_centred(decoder_, zero_centred_tables(), tables, n, symbols));
+  require_sound(read_zero_centred(decoder_, tables, n, symbols));
   record(symbols, n);
   book(part_, decoder_.content() - before);
 }
@@ -79,7 +65,7 @@ void SymbolReader::record(const int32_t *symbols, int64_t n) {
 void SymbolReader::finish(bool checked) {
   if (!checked) return;
   begin(Part::check);
-  const uint32_t crc = crc_, written = wide_values(32, 1)[0];
+  const uint32_t crc = crc_, written = uint32_t(number(32));
   crc_ = crc;  // of the symbols, not of their check
   if (written != crc_)
     throw Error(Fault::corrupt, "entropy: decoded symbols have CRC " + hexadecimal(crc_) + ", the encoder's had " +

@@ -19,8 +19,7 @@ class SymbolReader {
   // Books what is read from now on to a part.
   void begin(Part part) { part_ = part; }
 
-  // `count` equally likely values of at most 32 bits, or of at most 16, or one of those.
-  std::vector<uint32_t> wide_values(int bits, int64_t count);
+  // `count` equally likely values of at most 32 bits, or one of those.
   std::vector<int32_t> values(int bits, int64_t count);
   int number(int bits) { return values(bits, 1)[0]; }
   // Zero-centred symbols: n under one table, or each under its own.

@@ -7,7 +7,6 @@
 #include "base/error.hpp"
 #include "bitstream/arrays.hpp"
 #include "bitstream/context_model.hpp"
-#include "bitstream/frequency_tables.hpp"
 #include "bitstream/limits.hpp"
 #include "bitstream/positions.hpp"
 #include "bitstream/symbol_reader.hpp"
@@ -128,7 +127,7 @@ void TileReader::read_attributes(TileModel &model) {
   const TileSeeds seeds(spec_.context, model.corner, model.log_size);
   model.decoded.resize(size_t(seeds.count * spec_.attributes()));
   const std::vector<SeedGroup> groups = spec_.groups();
-  AttributeReader attributes(reader_.decoder(), zero_centred_tables(), groups.size());
+  AttributeReader attributes(reader_.decoder(), groups.size());
   std::vector<int32_t> symbols;
   SymbolReader::require_sound(code_attributes(attributes, of, seeds, how_.threads, model.decoded.data(), symbols));
   reader_.record(symbols.data(), int64_t(symbols.size()));
