@@ -22,7 +22,7 @@ class Quantiser : public sgi::AttributeSymbols {
   Quantiser(const double *values, int64_t width, const double *leans, int first_table)
       : values_(values), width_(width), leans_(leans), first_table_(first_table) {}
 
-  sgi::Reading code(const sgi::AttributeRun &run, int32_t *symbols) override {
+  void code(const sgi::AttributeRun &run, int32_t *symbols) override {
     const int64_t size = run.group.size();
     for (int64_t i = 0; i < run.count(); ++i) {
       const double value = values_[run.members[size_t(i / size)] * width_ + run.group.first + i % size];
@@ -33,7 +33,6 @@ class Quantiser : public sgi::AttributeSymbols {
     const auto count = size_t(run.count());
     runs.push_back({run.number, size_t(size), sgi::copy(symbols, count), sgi::copy(run.tables, count),
                     sgi::copy(run.step, count)});
-    return sgi::Reading::kSound;
   }
 
   struct Run {

@@ -51,8 +51,7 @@ auto read_flags(SymbolReader &reader, const Array<const int32_t, 1> &ones) {
   std::vector<int32_t> flags(ones.size());
   for (size_t i = 0; i < flags.size(); ++i) {
     require(ones.data()[i] > 0 && ones.data()[i] < sgi::kCertain, "P(1) must be 1..65535 in 2^-16");
-    if (!reader.decoder().decode_bit(uint32_t(ones.data()[i]), flags[i]))
-      SymbolReader::require_sound(sgi::Reading::kDamaged);
+    flags[i] = reader.decoder().decode_bit(uint32_t(ones.data()[i]));
   }
   reader.record(flags.data(), int64_t(flags.size()));
   return flat(std::move(flags));

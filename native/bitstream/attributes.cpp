@@ -79,13 +79,9 @@ class AttributeWalk {
     }
   }
 
-  Reading code_all() {
+  void code_all() {
     NeighboursByPass neighbours(seeds_, model_.ranks, model_.isa, resolve_threads(threads_) > 1 && model_.ranks);
-    for (const std::vector<int64_t> &members : seeds_.passes) {
-      const Reading reading = code_pass(members, neighbours.next());
-      if (reading != Reading::kSound) return reading;
-    }
-    return Reading::kSound;
+    for (const std::vector<int64_t> &members : seeds_.passes) code_pass(members, neighbours.next());
   }
 
  private:
@@ -112,7 +108,7 @@ class AttributeWalk {
     });
   }
 
-  Reading code_pass(const std::vector<int64_t> &members, const std::vector<int32_t> &table) {
+  void code_pass(const std::vector<int64_t> &members, const std::vector<int32_t> &table) {
     const size_t n = members.size();
     grow(inputs_, n * size_t(stride_)), grow(own_summary_, n * kSummary), grow(amplitude_, n), grow(log_size_, n);
     size_t number = 0;
@@ -125,15 +121,13 @@ class AttributeWalk {
           go_on(members, s, begin, count);
         predict(s, begin, count);
       });
-      const Reading reading = code_step(s, members, number);
-      if (reading != Reading::kSound) return reading;
+      code_step(s, members, number);
     }
     for_runs(n, [&](size_t begin, size_t count) {
       finish(members, model_.steps.size() - 1, begin, count);
       for (size_t i = begin; i < begin + count && model_.ranks; ++i)
         std::copy_n(own_summary_.data() + i * kSummary, kSummary, summary_.data() + size_t(members[i]) * kSummary);
     });
-    return Reading::kSound;
   }
 
   void make_room(size_t s, size_t n) {
@@ -202,7 +196,7 @@ class AttributeWalk {
     }
   }
 
-  Reading code_step(size_t s, const std::vector<int64_t> &members, size_t &number) {
+  void code_step(size_t s, const std::vector<int64_t> &members, size_t &number) {
     const AttributeStep &step = model_.steps[s];
     for (size_t g = 0; g < step.groups.size(); ++g) {
       Coded &coded = coded_[s][g];
@@ -211,10 +205,8 @@ class AttributeWalk {
       const size_t first = symbols_.size();
       symbols_.resize(first + size_t(run.count()));  // within what was reserved: pointers stay good
       coded.symbols = symbols_.data() + first;
-      const Reading reading = coder_.code(run, symbols_.data() + first);
-      if (reading != Reading::kSound) return reading;
+      coder_.code(run, symbols_.data() + first);
     }
-    return Reading::kSound;
   }
 
   AttributeSymbols &coder_;
@@ -251,19 +243,18 @@ std::vector<std::vector<int32_t>> neighbours_by_pass(const TileSeeds &seeds, int
   return found;
 }
 
-Reading code_attributes(AttributeSymbols &coder, const AttributeModel &model, const TileSeeds &seeds, int threads,
-                        int64_t *decoded, std::vector<int32_t> &symbols) {
+void code_attributes(AttributeSymbols &coder, const AttributeModel &model, const TileSeeds &seeds, int threads,
+                     int64_t *decoded, std::vector<int32_t> &symbols) {
   size_t members = 0;
   for (const std::vector<int64_t> &pass : seeds.passes) members += pass.size();
   symbols.reserve(members * size_t(model.attributes));
-  return AttributeWalk(coder, model, seeds, threads, decoded, symbols).code_all();
+  AttributeWalk(coder, model, seeds, threads, decoded, symbols).code_all();
 }
 
-Reading AttributeReader::code(const AttributeRun &run, int32_t *symbols) {
+void AttributeReader::code(const AttributeRun &run, int32_t *symbols) {
   const double before = decoder_.content();
-  const Reading reading = read_zero_centred(decoder_, run.tables, run.count(), symbols);
+  read_zero_centred(decoder_, run.tables, run.count(), symbols);
   bits[run.number] += decoder_.content() - before;
-  return reading;
 }
 
 }  // namespace sgi

@@ -70,19 +70,19 @@ struct AttributeRun {
 class AttributeSymbols {
  public:
   virtual ~AttributeSymbols() = default;
-  virtual Reading code(const AttributeRun &run, int32_t *symbols) = 0;
+  virtual void code(const AttributeRun &run, int32_t *symbols) = 0;
 };
 
 // Writes decoded [N, attributes], units of 2^-24, but for seeds of no pass; all symbols in coding order. With two
 // threads or more the neighbours of a pass are searched while the one before is coded.
-Reading code_attributes(AttributeSymbols &coder, const AttributeModel &model, const TileSeeds &seeds, int threads,
-                        int64_t *decoded, std::vector<int32_t> &symbols);
+void code_attributes(AttributeSymbols &coder, const AttributeModel &model, const TileSeeds &seeds, int threads,
+                     int64_t *decoded, std::vector<int32_t> &symbols);
 
 // The symbols of a payload.
 class AttributeReader : public AttributeSymbols {
  public:
   AttributeReader(RangeDecoder &decoder, size_t groups) : bits(groups), decoder_(decoder) {}
-  Reading code(const AttributeRun &run, int32_t *symbols) override;
+  void code(const AttributeRun &run, int32_t *symbols) override;
 
   std::vector<double> bits;  // information content of every group
 

@@ -48,22 +48,21 @@ struct BitModel {
 // P(1) in 2^-16 by the sum of the words of some models; what they count together is too little to matter.
 inline int32_t probability_of(uint32_t words) { return kBitTables.logistic[words >> (32 - kLogitBits)]; }
 
-// Codes a bit under models, which learn. False where `bits` has none.
+// Codes a bit under models, which learn.
 template <class Bits, size_t N>
-bool code_bit(Bits &bits, const std::array<BitModel *, N> &models, uint32_t limit, int &bit) {
+void code_bit(Bits &bits, const std::array<BitModel *, N> &models, uint32_t limit, int &bit) {
   uint32_t words = 0;
   for (const BitModel *model : models) words += model->word;
   const int32_t one = probability_of(words);
-  if (!bits.code(one, bit)) return false;
+  bits.code(one, bit);
   const int32_t error = bit * kCertain - one;
   for (BitModel *model : models) model->learn(error, limit);
-  return true;
 }
 
 // The same of one model.
 template <class Bits>
-bool code_bit(Bits &bits, BitModel &model, uint32_t limit, int &bit) {
-  return code_bit(bits, std::array<BitModel *, 1>{&model}, limit, bit);
+void code_bit(Bits &bits, BitModel &model, uint32_t limit, int &bit) {
+  code_bit(bits, std::array<BitModel *, 1>{&model}, limit, bit);
 }
 
 // Information content of a bit, from the table of its probability's first twelve bits: for decisions, not for accounts.

@@ -26,24 +26,22 @@ class MaskCoding {
     mask.large_.assign(size_t(mask.across() * mask.down()), Mask::kUnknown);
   }
 
-  // False where `bits` has none, or says that a square is mixed which is not.
-  bool large(int64_t x, int64_t y) {
+  // Throws Error (corrupt) where a square is said to be mixed which is not.
+  void large(int64_t x, int64_t y) {
     int32_t &link = mask_.large_[mask_.large_at(x, y)];
-    int state = kClearState;
-    if (!code_state(x, y, 2 * kLog, state)) return false;
+    const State state = code_state(x, y, 2 * kLog);
     if (state != kMixedState) {
       link = state == kSetState ? Mask::kSet : Mask::kClear;
-      return true;
+      return;
     }
     link = int32_t(mask_.small_.size());
     mask_.small_.emplace_back().fill(Mask::kUnknown);
     const int64_t right = std::min(x + kLarge, mask_.width_), bottom = std::min(y + kLarge, mask_.height_);
     for (int64_t below = y; below < bottom; below += kSmall)
-      for (int64_t beside = x; beside < right; beside += kSmall)
-        if (!small(beside, below)) return false;
+      for (int64_t beside = x; beside < right; beside += kSmall) small(beside, below);
     const Mask::Links &links = mask_.small_.back();  // of squares outside the tile unknown
-    return std::any_of(links.begin(), links.end(),
-                       [&](int32_t of) { return of >= 0 || (of != Mask::kUnknown && of != links.front()); });
+    const auto is_other = [&](int32_t of) { return of >= 0 || (of != Mask::kUnknown && of != links.front()); };
+    if (std::none_of(links.begin(), links.end(), is_other)) refuse_payload();
   }
 
   std::vector<int32_t> flags;  // that were coded
@@ -59,39 +57,34 @@ class MaskCoding {
   static constexpr int kAbove = 2, kBeside = 3, kStride = kSmall + 2 * kBeside;
   using Window = std::array<std::array<uint8_t, kStride>, kAbove + kSmall>;
 
-  bool small(int64_t x, int64_t y) {
-    int state = kClearState;
-    if (!code_state(x, y, kLog, state)) return false;
+  void small(int64_t x, int64_t y) {
+    const State state = code_state(x, y, kLog);
     int32_t link = state == kSetState ? Mask::kSet : Mask::kClear;
     if (state == kMixedState) {
       link = int32_t(mask_.pixels_.size());
-      Mask::Pixels pixels{};
-      bool has_both = false;
-      if (!code_pixels(x, y, pixels, has_both) || !has_both) return false;
-      mask_.pixels_.push_back(pixels);
+      mask_.pixels_.push_back(code_pixels(x, y));
     }
     mask_.small_.back()[size_t((y >> kLog & (kSmall - 1)) << kLog | (x >> kLog & (kSmall - 1)))] = link;
-    return true;
   }
 
   // What a square at (x, y) is, under what those to the left, above, above left and above right are.
-  bool code_state(int64_t x, int64_t y, int log_side, int &state) {
-    if (given_) state = given_state(x, y, int64_t(1) << log_side);
+  State code_state(int64_t x, int64_t y, int log_side) {
     const int64_t side = int64_t(1) << log_side;
+    const State state = given_ ? given_state(x, y, side) : kClearState;
     uint32_t context = log_side > kLog;
     constexpr int kX[4] = {-1, 0, -1, 1}, kY[4] = {0, -1, -1, -1};
     for (int i = 0; i < 4; ++i)
       context = 4 * context + uint32_t(state_at(x + kX[i] * side, y + kY[i] * side, log_side > kLog));
     int is_mixed = state == kMixedState, is_set = state == kSetState;
-    if (!alone(2 * context, is_mixed) || (!is_mixed && !alone(2 * context + 1, is_set))) return false;
-    state = is_mixed ? kMixedState : is_set ? kSetState : kClearState;
+    alone(2 * context, is_mixed);
+    if (!is_mixed) alone(2 * context + 1, is_set);
     if (is_mixed && ++mixed > most_)
       throw Error(Fault::limit, "a mask of too many squares for its length: more than " + std::to_string(most_) +
                                     " are mixed; it is refused");
-    return true;
+    return is_mixed ? kMixedState : is_set ? kSetState : kClearState;
   }
 
-  int given_state(int64_t x, int64_t y, int64_t side) const {
+  State given_state(int64_t x, int64_t y, int64_t side) const {
     const int64_t right = std::min(x + side, mask_.width_), bottom = std::min(y + side, mask_.height_);
     const uint8_t first = given_[y * mask_.width_ + x];
     for (int64_t row = y; row < bottom; ++row) {
@@ -110,8 +103,10 @@ class MaskCoding {
                                   : kUnknownState;
   }
 
-  bool code_pixels(int64_t x, int64_t y, Mask::Pixels &pixels, bool &has_both) {
+  Mask::Pixels code_pixels(int64_t x, int64_t y) {
+    Mask::Pixels pixels{};
     Window window;
+    bool has_both = false;
     int before = -1;
     for (int row = 0; row < kAbove + kSmall; ++row)
       for (int column = 0; column < kStride; ++column)
@@ -122,7 +117,7 @@ class MaskCoding {
       uint8_t *const at = window[size_t(row + kAbove)].data() + kBeside;
       for (int64_t column = 0; column < columns; ++column) {
         int bit = given_ ? given_[(y + row) * mask_.width_ + x + column] != 0 : 0;
-        if (!code_bit(bits_, models_of(at + column), kQuick, bit)) return false;
+        code_bit(bits_, models_of(at + column), kQuick, bit);
         flags.push_back(bit);
         at[column] = uint8_t(bit);
         has_both |= before >= 0 && bit != before;
@@ -131,7 +126,8 @@ class MaskCoding {
       }
       std::fill_n(at + columns, kStride - kBeside - columns, at[columns - 1]);  // what follows is not known
     }
-    return true;
+    if (!has_both) refuse_payload();
+    return pixels;
   }
 
   std::array<BitModel *, 4> models_of(const uint8_t *at) {
@@ -146,10 +142,9 @@ class MaskCoding {
             &models_[kFirst[3] + 2 * bits(-1, -3, 3) + bits(0, -1, -1)]};
   }
 
-  bool alone(uint32_t model, int &flag) {
-    if (!code_bit(bits_, states_[model], kQuick, flag)) return false;
+  void alone(uint32_t model, int &flag) {
+    code_bit(bits_, states_[model], kQuick, flag);
     flags.push_back(flag);
-    return true;
   }
 
   Bits &bits_;
@@ -168,7 +163,7 @@ Mask Mask::read(Bytes payload, int64_t width, int64_t height) {
   MaskCoding coding(bits, mask, nullptr, max_mixed(int64_t(payload.size)));
   for (int64_t y = 0; y < height; y += kSide * kSide)
     for (int64_t x = 0; x < width; x += kSide * kSide) {
-      if (!coding.large(x, y)) SymbolReader::require_sound(Reading::kDamaged);
+      coding.large(x, y);
       reader.record(coding.flags.data(), int64_t(coding.flags.size()));
       coding.flags.clear();
     }

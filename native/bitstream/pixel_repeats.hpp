@@ -20,22 +20,19 @@ class PixelRepeats {
         chances_(size_t(kSources * kTimes * kPatterns)), bits_(bits) {}
 
   // Codes which pixel the next one, at (y, x), repeats: its number, or -1 if none or where nothing is coded.
-  // is_equal(number) says whether it repeats that one. False where bits end.
+  // is_equal(number) says whether it repeats that one.
   template <class IsEqual>
-  bool code(int64_t y, int64_t x, const IsEqual &is_equal, int64_t &found) {
-    found = -1;
+  int64_t code(int64_t y, int64_t x, const IsEqual &is_equal) {
     look(y, x);
-    if (!count_ || probability_of(chance_->word) <= (is_graphic_ ? kLeastInGraphics : kLeast)) return true;
+    if (!count_ || probability_of(chance_->word) <= (is_graphic_ ? kLeastInGraphics : kLeast)) return -1;
     for (int rank = 0; rank < count_; ++rank) {
       int is_hit = is_equal(candidates_[size_t(rank)].number);
-      if (!code_hit(y, x, rank, is_hit)) return false;
+      code_hit(y, x, rank, is_hit);
       hit_ = uint8_t(rank + 1);
-      if (!is_hit) continue;
-      found = candidates_[size_t(rank)].number;
-      return true;
+      if (is_hit) return candidates_[size_t(rank)].number;
     }
     hit_ = kMost + 1;
-    return true;
+    return -1;
   }
 
   // Instead of `code`, for a pixel of which something is not coded.
@@ -156,7 +153,7 @@ class PixelRepeats {
     candidates_[size_t(count_++)] = {number, colour, source};
   }
 
-  bool code_hit(int64_t y, int64_t x, int rank, int &is_hit) {
+  void code_hit(int64_t y, int64_t x, int rank, int &is_hit) {
     const Around *here = &around_[size_t(place(y, x))];
     if (!is_graphic_ && !rank) hash(here);  // else that was done
     const uint32_t hits =
@@ -168,7 +165,7 @@ class PixelRepeats {
                             &models_[kFirst[1] + (mixed(near_hash_, number) >> (32 - kHashBits))],
                             &models_[kFirst[2] + number * kHits + hits],
                             &models_[kFirst[3] + from * kPatterns + pattern_]};
-    return code_bit(bits_, models, kQuick, is_hit);
+    code_bit(bits_, models, kQuick, is_hit);
   }
 
   const int64_t width_, stride_;

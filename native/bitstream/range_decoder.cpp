@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/error.hpp"
+
 namespace sgi {
 
 namespace {
@@ -36,6 +38,8 @@ SymbolModels::SymbolModels(const int64_t *frequency, const int64_t *start, int64
   }
 }
 
+void refuse_payload() { throw Error(Fault::corrupt, "entropy: the payload does not decode; it is damaged"); }
+
 RangeDecoder::RangeDecoder(const uint8_t *payload, int64_t bytes) : payload_(payload, payload + bytes) {
   payload_.resize((bytes + 3) / 4 * 4);  // zeros without end
   offset_ = next_word() << 32;
@@ -50,11 +54,10 @@ uint64_t RangeDecoder::next_word() {
   return uint64_t(p[0]) << 24 | uint64_t(p[1]) << 16 | uint64_t(p[2]) << 8 | p[3];
 }
 
-inline bool RangeDecoder::quantile(uint64_t &scale, uint32_t &found) const {
-  scale = range_ >> kPrecision;
+inline uint32_t RangeDecoder::quantile(uint64_t scale) const {
   const uint64_t quantile = offset_ / scale;
-  found = uint32_t(quantile);
-  return quantile < kTotal;
+  if (quantile >= kTotal) refuse_payload();
+  return uint32_t(quantile);
 }
 
 inline void RangeDecoder::take(uint64_t scale, uint32_t before, uint32_t frequency) {
@@ -66,7 +69,7 @@ inline void RangeDecoder::take(uint64_t scale, uint32_t before, uint32_t frequen
   }
 }
 
-bool RangeDecoder::decode(const SymbolModels &models, const int64_t *start, int64_t keys, int32_t *out) {
+void RangeDecoder::decode(const SymbolModels &models, const int64_t *start, int64_t keys, int32_t *out) {
   for (int64_t k = 0; k < keys; ++k) {
     const uint32_t *sums = models.sums_.data() + models.first_[k];
     if (models.first_[k + 1] - models.first_[k] == 2) {  // one symbol, which codes nothing
@@ -79,43 +82,38 @@ bool RangeDecoder::decode(const SymbolModels &models, const int64_t *start, int6
         const uint64_t scale = range_ >> kPrecision;
         int32_t s = 0;
         while (s < count && offset_ >= scale * sums[s + 1]) ++s;
-        if (s == count) return false;
+        if (s == count) refuse_payload();
         take(scale, sums[s], sums[s + 1] - sums[s]);
         out[i] = s;
       }
       continue;
     }
     for (int64_t i = start[k]; i < start[k + 1]; ++i) {
-      uint64_t scale;
-      uint32_t found;
-      if (!quantile(scale, found)) return false;
+      const uint64_t scale = range_ >> kPrecision;
+      const uint32_t found = quantile(scale);
       const int32_t s = models.find(models.bucket_[k], sums, found);
       take(scale, sums[s], sums[s + 1] - sums[s]);
       out[i] = s;
     }
   }
-  return true;
 }
 
-bool RangeDecoder::decode_uniform(int bits, int64_t count, int32_t *out) {
+void RangeDecoder::decode_uniform(int bits, int64_t count, int32_t *out) {
   constexpr int kPiece = 16;
   if (bits > kPiece) {
     std::vector<int32_t> low(static_cast<size_t>(count));
-    if (!decode_uniform(bits - kPiece, count, out) || !decode_uniform(kPiece, count, low.data())) return false;
+    decode_uniform(bits - kPiece, count, out), decode_uniform(kPiece, count, low.data());
     for (int64_t i = 0; i < count; ++i) out[i] = int32_t(uint32_t(out[i]) << kPiece | uint32_t(low[size_t(i)]));
-    return true;
+    return;
   }
   if (bits == 0) std::fill(out, out + count, 0), count = 0;
   const int shift = kPrecision - bits;
   for (int64_t i = 0; i < count; ++i) {
-    uint64_t scale;
-    uint32_t found;
-    if (!quantile(scale, found)) return false;
-    const uint32_t s = found >> shift;
+    const uint64_t scale = range_ >> kPrecision;
+    const uint32_t s = quantile(scale) >> shift;
     take(scale, s << shift, uint32_t(1) << shift);
     out[i] = int32_t(s);
   }
-  return true;
 }
 
 double RangeDecoder::content() const { return 8 * double(at_) - std::log2(double(range_)); }

@@ -33,30 +33,34 @@ class SymbolModels {
   std::vector<uint16_t> buckets_;  // the symbol at the first quantile of each bucket
 };
 
+// Throws Error (corrupt): the payload does not decode.
+[[noreturn]] void refuse_payload();
+
+// Whatever decodes throws Error (corrupt) where the payload does not.
 class RangeDecoder {
  public:
   RangeDecoder(const uint8_t *payload, int64_t bytes);
 
   // Symbols start[k] … start[k + 1] - 1 of out under model k, k = 0 … keys - 1. A symbol's number counts those of its
-  // model that can occur. False where the payload does not decode.
-  bool decode(const SymbolModels &models, const int64_t *start, int64_t keys, int32_t *out);
+  // model that can occur.
+  void decode(const SymbolModels &models, const int64_t *start, int64_t keys, int32_t *out);
 
   // Equally likely values of at most 32 bits, of which 0 stand for nothing. Those of more than 16 are coded in two
   // pieces, the high one of all first.
-  bool decode_uniform(int bits, int64_t count, int32_t *out);
+  void decode_uniform(int bits, int64_t count, int32_t *out);
 
-  // A bit that is 1 with a probability of one / 2^16, 0 < one < 2^16. False where the payload does not decode.
-  bool decode_bit(uint32_t one, int &bit) {
+  // A bit that is 1 with a probability of one / 2^16, 0 < one < 2^16.
+  int decode_bit(uint32_t one) {
     const uint64_t scale = range_ >> 24, zero = uint64_t((1 << 16) - one) << 8, split = scale * zero;
-    bit = offset_ >= split;
+    const int bit = offset_ >= split;
     if (bit) offset_ -= split;
     range_ = bit ? scale * (uint64_t(one) << 8) : split;
-    if (offset_ >= range_) return false;
+    if (offset_ >= range_) refuse_payload();
     if (range_ >> 32 == 0) {
       range_ <<= 32;
       offset_ = offset_ << 32 | next_word();
     }
-    return true;
+    return bit;
   }
 
   // Information content of all that was decoded, in bits: how far the interval has shrunk.
@@ -66,7 +70,7 @@ class RangeDecoder {
 
  private:
   uint64_t next_word();
-  bool quantile(uint64_t &scale, uint32_t &found) const;
+  uint32_t quantile(uint64_t scale) const;
   void take(uint64_t scale, uint32_t before, uint32_t frequency);
 
   std::vector<uint8_t> payload_;

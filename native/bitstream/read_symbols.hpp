@@ -6,9 +6,7 @@
 
 namespace sgi {
 
-enum class Reading { kSound, kDamaged, kTooLarge };
-
-// The n zero-centred symbols under the tables `keys` [n], escapes included.
-Reading read_zero_centred(RangeDecoder &decoder, const int16_t *keys, int64_t n, int32_t *symbols);
+// The n zero-centred symbols under the tables `keys` [n], escapes included. Throws Error (corrupt).
+void read_zero_centred(RangeDecoder &decoder, const int16_t *keys, int64_t n, int32_t *symbols);
 
 }  // namespace sgi

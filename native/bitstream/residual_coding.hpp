@@ -39,18 +39,16 @@ class ResidualCoding {
       channels_.emplace_back(k, shape.grids[size_t(channel_at(k))], shape.width, kernel);
   }
 
-  // values [height, width, channels]. Leaves in them what a reader finds; false where bits end.
-  bool code(std::vector<int32_t> &values, const GridBlock &drawn) {
+  // values [height, width, channels]. Leaves in them what a reader finds.
+  void code(std::vector<int32_t> &values, const GridBlock &drawn) {
     for (int64_t y = 0; y < shape_.height; ++y) {
       for (int64_t left = 0; left < shape_.width; left += SamplePredictor::kSegment) {
         const int64_t right = std::min(shape_.width, left + SamplePredictor::kSegment);
         is_solved_ = false;
-        for (int64_t x = left; x < right; ++x)
-          if (!code_pixel(values.data(), drawn, y, x)) return false;
+        for (int64_t x = left; x < right; ++x) code_pixel(values.data(), drawn, y, x);
       }
       for (ResidualChannel &channel : channels_) channel.end_row();
     }
-    return true;
   }
 
  private:
@@ -75,15 +73,15 @@ class ResidualCoding {
   // Green first: red and blue are predicted from it.
   int channel_at(int k) const { return shape_.is_rgb && k < 2 ? 1 - k : k; }
 
-  bool code_pixel(int32_t *values, const GridBlock &drawn, int64_t y, int64_t x) {
+  void code_pixel(int32_t *values, const GridBlock &drawn, int64_t y, int64_t x) {
     const size_t channels = channels_.size(), at = size_t(y * shape_.width + x) * channels;
     const uint8_t *held = &drawn.held[at];
     int64_t found = -1;
     if (repeats_) {
       if (std::any_of(held, held + channels, [](uint8_t one) { return one; }))
         repeats_->skip(y, x);
-      else if (!repeats_->code(y, x, [&](int64_t number) { return repeats(values, at, number); }, found))
-        return false;
+      else
+        found = repeats_->code(y, x, [&](int64_t number) { return repeats(values, at, number); });
     }
     if (found >= 0)
       std::copy_n(values + found * int64_t(channels), channels, values + at);
@@ -98,12 +96,11 @@ class ResidualCoding {
         hold(values[at + c], k, x);
       else if (found >= 0 && !is_solved_)
         channels_[k].note(x, {0, values[at + c], {0, 0}});
-      else if (!code_value(values[at + c], k, x, found >= 0))
-        return false;
+      else
+        code_value(values[at + c], k, x, found >= 0);
     }
     for (ResidualChannel &channel : channels_) channel.learn();
     if (repeats_) repeats_->learn(y, x, colour_of(values + at));
-    return true;
   }
 
   uint32_t colour_of(const int32_t *pixel) const {
@@ -142,52 +139,50 @@ class ResidualCoding {
   }
 
   // Codes a value, unless it is known, and takes note of it.
-  bool code_value(int32_t &value, size_t k, int64_t x, bool is_known) {
+  void code_value(int32_t &value, size_t k, int64_t x, bool is_known) {
     ResidualChannel &own = channels_[k];
     const Predicted predicted(own.predict(x, channels_));
     const ResidualContext context = ResidualContexts(channels_, k, x).find(predicted);
     if (!is_known) {
       int32_t steps = own.steps(value - predicted.middle);
-      if (!code_steps({context, models_[std::min<size_t>(k, kGroups - 1)]}, own, predicted, steps)) return false;
+      code_steps({context, models_[std::min<size_t>(k, kGroups - 1)]}, own, predicted, steps);
       value = std::clamp(predicted.middle + steps * own.step, 0, own.most);
     }
     own.expect(value, context.spread);
     own.note(x, {own.whole(std::abs(value * kFraction - predicted.exact)),
                  value,
                  {own.miss(value, context.guesses[0]), own.miss(value, context.guesses[1])}});
-    return true;
   }
 
-  bool bit(const Coded &coded, int node, int &value) {
+  void bit(const Coded &coded, int node, int &value) {
     std::array<BitModel *, kResidualContexts.size()> models;
     for (size_t i = 0; i < models.size(); ++i)
       models[i] = &coded.models.summed[coded.context.models[i] + uint32_t(node)];
-    return code_bit(bits_, models, kSteady, value);
+    code_bit(bits_, models, kSteady, value);
   }
 
   // A value in steps from the middle: on which side of the prediction, then how far.
-  bool code_steps(const Coded &coded, const ResidualChannel &own, const Predicted &predicted, int32_t &steps) {
+  void code_steps(const Coded &coded, const ResidualChannel &own, const Predicted &predicted, int32_t &steps) {
     const int32_t least = -own.whole(predicted.middle + own.max_error);
     const int32_t most = own.whole(own.most - predicted.middle + own.max_error);
     int up = predicted.is_above ? steps >= 1 : steps >= 0;
     if (predicted.is_above ? most < 1 : least > -1)
       up = !predicted.is_above;
-    else if (!bit(coded, 0, up))
-      return false;
+    else
+      bit(coded, 0, up);
     const int32_t edge = predicted.is_above ? up : up - 1;
     int32_t distance = up ? steps - edge : edge - steps;
-    if (!code_distance(coded, up, up ? most - edge : edge - least, distance)) return false;
+    code_distance(coded, up, up ? most - edge : edge - least, distance);
     steps = up ? edge + distance : edge - distance;
-    return true;
   }
 
   // Runs whose unit follows from the spread, doubled from the fifth on; then the bits below the unit.
-  bool code_distance(const Coded &coded, int up, int32_t most, int32_t &distance) {
+  void code_distance(const Coded &coded, int up, int32_t most, int32_t &distance) {
     const int32_t spread = coded.context.spread;
     int32_t start = 0, runs = 0, size = spread < 32 ? 0 : 30 - __builtin_clz(uint32_t(spread >> 4));
     while (start + (1 << size) <= most) {
       int more = distance >= start + (1 << size);
-      if (!bit(coded, 1 + up * kRuns + std::min(runs, kRuns - 1), more)) return false;
+      bit(coded, 1 + up * kRuns + std::min(runs, kRuns - 1), more);
       if (!more) break;
       start += 1 << size;
       if (++runs >= 4) ++size;
@@ -199,13 +194,13 @@ class ResidualCoding {
     int32_t known = 0;
     for (int place = size - 1, depth = 0; place >= 0; --place, ++depth) {
       int next = rest >> place & 1;
-      if (!(depth < kModelledBits ? code_bit(bits_, models[(1 << depth) + known], kSteady, next)
-                                  : bits_.code(kEvenOdds, next)))
-        return false;
+      if (depth < kModelledBits)
+        code_bit(bits_, models[(1 << depth) + known], kSteady, next);
+      else
+        bits_.code(kEvenOdds, next);
       known = known * 2 + next;
     }
     distance = start + known;
-    return true;
   }
 
   const ResidualShape shape_;

@@ -43,7 +43,7 @@ bool is_nodata(const Header &header, int channel, float sample) {
 
 // Codes which samples of a grid occur.
 template <class Bits>
-bool code_whole_numbers(Bits &bits, ResidualGrid &grid) {
+void code_whole_numbers(Bits &bits, ResidualGrid &grid) {
   const std::vector<float> given = std::move(grid.table);
   std::array<BitModel, 64> models;  // by the places since the last that occurs
   size_t since = 0, next = 0;
@@ -51,27 +51,26 @@ bool code_whole_numbers(Bits &bits, ResidualGrid &grid) {
   for (int32_t place = 0; place <= grid.most; ++place) {
     const auto sample = float(grid.base + grid.step * place);
     int occurs = next < given.size() && given[next] == sample;
-    if (!code_bit(bits, models[since], kSteady, occurs)) return false;
+    code_bit(bits, models[since], kSteady, occurs);
     if (occurs) grid.table.push_back(sample), ++next;
     since = occurs ? 0 : std::min(since + 1, models.size() - 1);
   }
   grid.most = int32_t(grid.table.size()) - 1;
-  return grid.most >= 0;
+  if (grid.most < 0) refuse_payload();
 }
 
 // Codes each float by those before, as if all were as far apart.
 template <class Bits>
-bool code_floats(Bits &bits, ResidualGrid &grid) {
+void code_floats(Bits &bits, ResidualGrid &grid) {
   FloatDistances distances;
   grid.table.resize(size_t(grid.most) + 1);
   double last = grid.base, step = 0;
   for (float &sample : grid.table) {
-    if (!distances.code(bits, float(last + step), sample) || !std::isfinite(sample)) return false;
+    distances.code(bits, float(last + step), sample);
     const bool is_first = &sample == grid.table.data();
-    if (!is_first && rank_of(sample) <= rank_of(float(last))) return false;
+    if (!std::isfinite(sample) || (!is_first && rank_of(sample) <= rank_of(float(last)))) refuse_payload();
     step = is_first ? grid.step : sample - last, last = sample;
   }
-  return true;
 }
 
 }  // namespace
@@ -81,8 +80,11 @@ float sample_of(const ResidualGrid &grid, int32_t value) {
 }
 
 template <class Bits>
-bool code_table(Bits &bits, bool is_float, ResidualGrid &grid) {
-  return is_float ? code_floats(bits, grid) : code_whole_numbers(bits, grid);
+void code_table(Bits &bits, bool is_float, ResidualGrid &grid) {
+  if (is_float)
+    code_floats(bits, grid);
+  else
+    code_whole_numbers(bits, grid);
 }
 
 GridBlock on_grids(const Header &header, const ResidualForm &form, const float *drawn, int64_t width, size_t count) {
@@ -117,7 +119,7 @@ GridRest<Bits>::GridRest(const Header &header, const ResidualForm &form, Bits &b
 }
 
 template <class Bits>
-bool GridRest<Bits>::code(const GridBlock &drawn, const std::vector<int32_t> &values, const float *shown,
+void GridRest<Bits>::code(const GridBlock &drawn, const std::vector<int32_t> &values, const float *shown,
                           float *samples) {
   const size_t channels = channels_.size();
   for (size_t i = 0, c = 0; i < values.size(); ++i, c = c + 1 < channels ? c + 1 : 0) {
@@ -128,56 +130,53 @@ bool GridRest<Bits>::code(const GridBlock &drawn, const std::vector<int32_t> &va
       samples[i] = shown[i];
       continue;
     }
-    if (value == channel.nodata && !code_side(channel, grid, samples[i], value)) return false;
+    if (value == channel.nodata) value = beside_nodata(channel, grid, samples[i]);
     const float found = sample_of(grid, value);
     if (!form_.has_bits)
       samples[i] = found;
-    else if (!channel.distances.code(bits_, found, samples[i]))
-      return false;
+    else
+      channel.distances.code(bits_, found, samples[i]);
   }
-  return true;
 }
 
 template <class Bits>
-bool GridRest<Bits>::code_side(const Channel &channel, const ResidualGrid &grid, float sample, int32_t &value) {
+int32_t GridRest<Bits>::beside_nodata(const Channel &channel, const ResidualGrid &grid, float sample) {
   int up = double(sample) > header_.nodata;
   if (channel.nodata == 0)
     up = 1;
   else if (channel.nodata == grid.most)
     up = 0;
-  else if (!bits_.code(kEvenOdds, up))
-    return false;
-  value = std::min(grid.most, value + (up ? 1 : -1));
-  return true;
+  else
+    bits_.code(kEvenOdds, up);
+  return std::min(grid.most, channel.nodata + (up ? 1 : -1));
 }
 
 template <class Bits>
-bool FloatDistances::code(Bits &bits, float found, float &sample) {
+void FloatDistances::code(Bits &bits, float found, float &sample) {
   const int64_t far = rank_of(sample) - rank_of(found);
   int length = 0, negative = far < 0;
   while (std::llabs(far) >> length) ++length;
   int known = 0;
   for (; known < kLengths - 1; ++known) {
     int more = known < length;
-    if (!code_bit(bits, lengths_[size_t(length_ * kLengths + known)], kSteady, more)) return false;
+    code_bit(bits, lengths_[size_t(length_ * kLengths + known)], kSteady, more);
     if (!more) break;
   }
   length_ = known;
-  if (known && !bits.code(kEvenOdds, negative)) return false;
+  if (known) bits.code(kEvenOdds, negative);
   int64_t distance = known > 0;
   for (int place = known - 2; place >= 0; --place) {
     int next = int(std::llabs(far) >> place & 1);
-    if (!bits.code(kEvenOdds, next)) return false;
+    bits.code(kEvenOdds, next);
     distance = distance * 2 + next;
   }
   const int64_t rank = rank_of(found) + (negative ? -distance : distance);
-  if (rank > INT32_MAX || rank < INT32_MIN) return false;
+  if (rank > INT32_MAX || rank < INT32_MIN) refuse_payload();
   sample = of_rank(rank);
-  return true;
 }
 
-template bool code_table(BitRecorder &bits, bool is_float, ResidualGrid &grid);
-template bool code_table(BitReader &bits, bool is_float, ResidualGrid &grid);
+template void code_table(BitRecorder &bits, bool is_float, ResidualGrid &grid);
+template void code_table(BitReader &bits, bool is_float, ResidualGrid &grid);
 template class GridRest<BitRecorder>;
 template class GridRest<BitReader>;
 

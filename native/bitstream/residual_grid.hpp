@@ -21,9 +21,9 @@ struct ResidualGrid {
   std::vector<float> table;  // samples that occur, rising; empty where there is no table
 };
 
-// Codes the table of a grid. False where bits end or tell of none.
+// Codes the table of a grid. Throws Error (corrupt) where bits tell of none.
 template <class Bits>
-bool code_table(Bits &bits, bool is_float, ResidualGrid &grid);
+void code_table(Bits &bits, bool is_float, ResidualGrid &grid);
 
 // What a residual layer states of all its blocks.
 struct ResidualForm {
@@ -57,9 +57,9 @@ std::vector<int32_t> nearest_values(const ResidualForm &form, const float *sampl
 // Codes how many floats lie between some and what they were taken for.
 class FloatDistances {
  public:
-  // False where bits end or tell of no float.
+  // Throws Error (corrupt) where bits tell of no float.
   template <class Bits>
-  bool code(Bits &bits, float found, float &sample);
+  void code(Bits &bits, float found, float &sample);
 
  private:
   static constexpr int kLengths = 34;  // of a distance, in bits
@@ -75,8 +75,8 @@ class GridRest {
  public:
   GridRest(const Header &header, const ResidualForm &form, Bits &bits);
 
-  // Leaves in `samples` [count] what a reader finds; false where bits end or tell of no float.
-  bool code(const GridBlock &drawn, const std::vector<int32_t> &values, const float *shown, float *samples);
+  // Leaves in `samples` [count] what a reader finds. Throws Error (corrupt) where bits tell of no float.
+  void code(const GridBlock &drawn, const std::vector<int32_t> &values, const float *shown, float *samples);
 
  private:
   // What is known of a channel.
@@ -85,7 +85,7 @@ class GridRest {
     FloatDistances distances;
   };
 
-  bool code_side(const Channel &channel, const ResidualGrid &grid, float sample, int32_t &value);
+  int32_t beside_nodata(const Channel &channel, const ResidualGrid &grid, float sample);
 
   const Header &header_;
   const ResidualForm &form_;
@@ -93,8 +93,8 @@ class GridRest {
   std::vector<Channel> channels_;
 };
 
-extern template bool code_table(BitRecorder &bits, bool is_float, ResidualGrid &grid);
-extern template bool code_table(BitReader &bits, bool is_float, ResidualGrid &grid);
+extern template void code_table(BitRecorder &bits, bool is_float, ResidualGrid &grid);
+extern template void code_table(BitReader &bits, bool is_float, ResidualGrid &grid);
 extern template class GridRest<BitRecorder>;
 extern template class GridRest<BitReader>;
 

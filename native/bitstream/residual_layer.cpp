@@ -22,6 +22,16 @@ constexpr int64_t kHasBits = 1, kHasViews = 2, kHasPalette = 4, kHasCells = 8, k
 
 [[noreturn]] void corrupt(const char *text) { throw Error(Fault::corrupt, std::string("residual layer: ") + text); }
 
+// What decodes, with `text` where the payload does not.
+template <class Decode>
+void decoded(const char *text, const Decode &decode) {
+  try {
+    decode();
+  } catch (const Error &) {
+    corrupt(text);
+  }
+}
+
 int64_t count_of(const Header &header) { return residual_blocks(header.width) * residual_blocks(header.height); }
 
 double read_real(Bytes data, size_t &at) {
@@ -65,8 +75,10 @@ ResidualGrid read_grid(Bytes start, size_t &at, SampleType type) {
   if (int64_t(start.size - at) < bytes) corrupt("it ends too early");
   RangeDecoder decoder(start.data + at, bytes);
   BitReader bits(decoder);
-  if (!code_table(bits, type == SampleType::f32, grid) || !decoder.maybe_exhausted())
-    corrupt("the table of a grid does not decode");
+  decoded("the table of a grid does not decode", [&] {
+    code_table(bits, type == SampleType::f32, grid);
+    if (!decoder.maybe_exhausted()) refuse_payload();
+  });
   at += size_t(bytes);
   return grid;
 }
@@ -84,7 +96,7 @@ void read_palette(Bytes start, size_t &at, ResidualForm &form) {
 
 // Codes which cells are coded: a bit each, by those to the left, above and right above.
 template <class Bits>
-bool code_cells(const ResidualBlock &block, Bits &bits, std::vector<uint8_t> &cells) {
+void code_cells(const ResidualBlock &block, Bits &bits, std::vector<uint8_t> &cells) {
   const auto across = size_t(block.cells_across());
   std::array<BitModel, 8> models;
   for (size_t i = 0; i < cells.size(); ++i) {
@@ -92,10 +104,9 @@ bool code_cells(const ResidualBlock &block, Bits &bits, std::vector<uint8_t> &ce
     const bool left = x && cells[i - 1], above = i >= across && cells[i - across];
     const bool above_right = i >= across && x + 1 < across && cells[i - across + 1];
     int bit = cells[i];
-    if (!code_bit(bits, models[size_t(left + 2 * above + 4 * above_right)], kQuick, bit)) return false;
+    code_bit(bits, models[size_t(left + 2 * above + 4 * above_right)], kQuick, bit);
     cells[i] = uint8_t(bit);
   }
-  return true;
 }
 
 // Holds what is in no coded cell.
@@ -109,7 +120,7 @@ void hold_others(const ResidualBlock &block, const std::vector<uint8_t> &cells, 
 
 // Codes which colour of the palette each pixel has; what is drawn says nothing of that.
 template <class Bits>
-bool code_colours(const ResidualBlock &block, Isa isa, Bits &bits, ResidualSamples &known) {
+void code_colours(const ResidualBlock &block, Isa isa, Bits &bits, ResidualSamples &known) {
   float *samples = known.samples.data();
   const ResidualForm &form = block.form;
   const size_t channels = form.grids.size(), pixels = block.samples() / channels;
@@ -132,18 +143,17 @@ bool code_colours(const ResidualBlock &block, Isa isa, Bits &bits, ResidualSampl
   const ResidualShape shape{block.width, block.height, false, grids};
   GridBlock drawn{std::vector<int32_t>(pixels), std::vector<uint8_t>(pixels)};
   hold_others(block, known.cells, 1, drawn);
-  if (!ResidualCoding<Bits>(shape, kernel_for<PredictorKernel>(isa), bits).code(colours, drawn)) return false;
+  ResidualCoding<Bits>(shape, kernel_for<PredictorKernel>(isa), bits).code(colours, drawn);
   for (size_t i = 0; i < pixels; ++i)
     for (size_t c = 0; c < channels; ++c)
       samples[i * channels + c] = drawn.held[i]
                                       ? block.drawn[i * channels + c]
                                       : sample_of(form.grids[c], form.palette[size_t(colours[i]) * channels + c]);
-  return true;
 }
 
 template <class Bits>
-bool code_block(const ResidualBlock &block, Isa isa, Bits &bits, ResidualSamples &given) {
-  if (block.form.has_cells && !code_cells(block, bits, given.cells)) return false;
+void code_block(const ResidualBlock &block, Isa isa, Bits &bits, ResidualSamples &given) {
+  if (block.form.has_cells) code_cells(block, bits, given.cells);
   if (block.form.colours()) return code_colours(block, isa, bits, given);
   float *samples = given.samples.data();
   const ChannelLayout layout = block.header.channels;
@@ -155,8 +165,8 @@ bool code_block(const ResidualBlock &block, Isa isa, Bits &bits, ResidualSamples
   // A reader finds all values, whatever they are before.
   std::vector<int32_t> values =
       std::is_same_v<Bits, BitReader> ? drawn.values : nearest_values(block.form, samples, block.samples());
-  if (!ResidualCoding<Bits>(shape, kernel_for<PredictorKernel>(isa), bits).code(values, drawn)) return false;
-  return GridRest<Bits>(block.header, block.form, bits).code(drawn, values, block.drawn, samples);
+  ResidualCoding<Bits>(shape, kernel_for<PredictorKernel>(isa), bits).code(values, drawn);
+  GridRest<Bits>(block.header, block.form, bits).code(drawn, values, block.drawn, samples);
 }
 
 }  // namespace
@@ -224,7 +234,7 @@ ResidualSamples decode_residual(const ResidualBlock &block, Isa isa, Bytes bytes
   if (bytes.size || !block.form.has_cells) {
     RangeDecoder decoder(bytes.data, int64_t(bytes.size));
     BitReader bits(decoder);
-    if (!code_block(block, isa, bits, found)) corrupt("the samples of a block do not decode");
+    decoded("the samples of a block do not decode", [&] { code_block(block, isa, bits, found); });
     if (!decoder.maybe_exhausted()) corrupt("bytes are left over behind the samples of a block");
   }
   if (crc32({reinterpret_cast<const uint8_t *>(found.samples.data()), found.samples.size() * sizeof(float)}) != crc)

@@ -81,11 +81,10 @@ Seeds read_tree(SymbolReader &reader, int64_t width, int64_t height, int64_t mos
   };
   for (int level = kRootLevel; level >= kMinLevel && split; --level) {
     split = 0;
-    const bool is_sound = coding.level(level, [&](uint8_t node) {
+    coding.level(level, [&](uint8_t node) {
       if (node & TreeNodes::kSplit) require_few(++split);  // each has seeds
       if (node & TreeNodes::kSeed) require_few(++seeds);
     });
-    if (!is_sound) SymbolReader::require_sound(Reading::kDamaged);
     reader.record(coding.flags.data(), int64_t(coding.flags.size()));
     coding.flags.clear();
   }

@@ -28,16 +28,9 @@ std::string hexadecimal(uint32_t value) {
 
 SymbolReader::SymbolReader(Bytes payload) : decoder_(decoder_of(payload)) {}
 
-void SymbolReader::require_sound(Reading reading) {
-  if (reading == Reading::kDamaged) throw Error(Fault::corrupt, "entropy: the payload does not decode; it is damaged");
-  if (reading == Reading::kTooLarge)
-    throw Error(Fault::corrupt,
-                "entropy: a symbol exceeds ±" + std::to_string(kMaxMagnitude) + "; the stream is damaged");
-}
-
 std::vector<int32_t> SymbolReader::values(int bits, int64_t count) {
   std::vector<int32_t> found(static_cast<size_t>(count));
-  if (!decoder_.decode_uniform(bits, count, found.data())) require_sound(Reading::kDamaged);
+  decoder_.decode_uniform(bits, count, found.data());
   record(found.data(), count);
   book(part_, double(bits) * double(count));
   return found;
@@ -52,7 +45,7 @@ std::vector<int32_t> SymbolReader::zero_centred(int table, int64_t n) {
 
 void SymbolReader::zero_centred(const int16_t *tables, int64_t n, int32_t *symbols) {
   const double before = decoder_.content();
-  require_sound(read_zero_centred(decoder_, tables, n, symbols));
+  read_zero_centred(decoder_, tables, n, symbols);
   record(symbols, n);
   book(part_, decoder_.content() - before);
 }

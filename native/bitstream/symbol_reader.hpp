@@ -30,7 +30,6 @@ class SymbolReader {
   RangeDecoder &decoder() { return decoder_; }
   void record(const int32_t *symbols, int64_t n);
   void book(Part part, double bits) { bits_[size_t(part)] += bits; }
-  static void require_sound(Reading reading);
 
   // The end of the payload: the symbols must be those that were written, and nothing may be left. Without `checked`
   // whatever they are is taken.

@@ -35,27 +35,26 @@ class BitAccount {
 // Takes bits as they are given, for models to learn from.
 class BitTaker {
  public:
-  bool code(int32_t, int &) { return true; }
+  void code(int32_t, int &) {}
 };
 
 // Takes bits as they are given and notes them with their probabilities.
 class BitRecorder {
  public:
-  bool code(int32_t one, int &bit) {
+  void code(int32_t one, int &bit) {
     bits.push_back(bit);
     ones.push_back(one);
     account.add(one, bit);
-    return true;
   }
   std::vector<int32_t> bits, ones;
   BitAccount account;
 };
 
-// Reads bits from a payload, whatever is given.
+// Reads bits from a payload, whatever is given. Throws Error as the decoder does.
 class BitReader {
  public:
   explicit BitReader(RangeDecoder &decoder) : decoder_(decoder) {}
-  bool code(int32_t one, int &bit) { return decoder_.decode_bit(uint32_t(one), bit); }
+  void code(int32_t one, int &bit) { bit = decoder_.decode_bit(uint32_t(one)); }
 
  private:
   RangeDecoder &decoder_;

@@ -76,13 +76,13 @@ class TextureCoding {
  private:
   int bit(const BitContext &context, int value) {
     const int32_t one = models_.predict(context);
-    sound_ = sound_ && bits_.code(one, value);
+    if (sound_) bits_.code(one, value);
     models_.update(context, one, value);
     return value;
   }
 
   int even(int value) {
-    sound_ = sound_ && bits_.code(kEvenOdds, value);
+    if (sound_) bits_.code(kEvenOdds, value);
     return value;
   }
 

@@ -129,7 +129,7 @@ void TileReader::read_attributes(TileModel &model) {
   const std::vector<SeedGroup> groups = spec_.groups();
   AttributeReader attributes(reader_.decoder(), groups.size());
   std::vector<int32_t> symbols;
-  SymbolReader::require_sound(code_attributes(attributes, of, seeds, how_.threads, model.decoded.data(), symbols));
+  code_attributes(attributes, of, seeds, how_.threads, model.decoded.data(), symbols);
   reader_.record(symbols.data(), int64_t(symbols.size()));
   for (size_t g = 0; g < groups.size(); ++g) reader_.book(part_of(groups[g].name), attributes.bits[g]);
 }

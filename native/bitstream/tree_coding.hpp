@@ -21,9 +21,9 @@ class TreeCoding {
       for (int64_t x = 0; x < nodes.columns(kAbove); ++x) nodes.at(kAbove, x, y) = TreeNodes::kSplit;
   }
 
-  // Codes the nodes of a level row by row; visit(node) after each. False where `bits` has none.
+  // Codes the nodes of a level row by row; visit(node) after each.
   template <class Visit>
-  bool level(int level, Visit visit) {
+  void level(int level, Visit visit) {
     nodes_.open(level);
     parents_.resize(size_t(nodes_.columns(level + 1)));
     for (int64_t y = 0; y < nodes_.rows(level); ++y)
@@ -32,11 +32,10 @@ class TreeCoding {
         Parent &parent = parents_[size_t(left >> 1)];
         if (y % 2 == 0) parent = parent_at(level + 1, left >> 1, y >> 1);
         for (int64_t x = left; x < std::min(left + 2, nodes_.columns(level)); ++x) {
-          if (!node(level, x, y, parent)) return false;
+          node(level, x, y, parent);
           visit(nodes_.at(level, x, y));
         }
       }
-    return true;
   }
 
   std::vector<int32_t> flags;  // that were coded
@@ -62,19 +61,20 @@ class TreeCoding {
     uint32_t beside;                // the same of those on its own side, and of the parent's parent
   };
 
-  bool node(int level, int64_t x, int64_t y, const Parent &parent) {
+  void node(int level, int64_t x, int64_t y, const Parent &parent) {
     const Surroundings around = surroundings(level, x, y, parent);
     const uint8_t truth = given_ ? given_->at(level, x, y) : uint8_t(0);
     int split = (truth & TreeNodes::kSplit) != 0, seed = (truth & TreeNodes::kSeed) != 0;
-    if (level > kMinLevel && !flag(level, kSplitFlag, around, split)) return false;
+    if (level > kMinLevel) flag(level, kSplitFlag, around, split);
     const bool is_certain = level < kRootLevel && !split && around.is_last && !around.is_occupied;
-    if (is_certain) seed = 1;
-    if (!is_certain && !flag(level, split ? kSplitSeed : kLeafSeed, around, seed)) return false;
+    if (is_certain)
+      seed = 1;
+    else
+      flag(level, split ? kSplitSeed : kLeafSeed, around, seed);
     nodes_.at(level, x, y) = uint8_t(split * TreeNodes::kSplit + seed * TreeNodes::kSeed);
-    return true;
   }
 
-  bool flag(int level, Flag which, const Surroundings &around, int &value) {
+  void flag(int level, Flag which, const Surroundings &around, int &value) {
     const uint32_t kind = uint32_t(level - kMinLevel) * kFlags + which;
     const uint32_t alike = which == kSplitFlag ? around.split : around.seeds;
     const uint32_t others = which == kSplitFlag ? around.seeds : around.split;
@@ -86,9 +86,8 @@ class TreeCoding {
     for (size_t i = 0; i < within.size(); first += kKinds * kContexts[i++])
       models[i] = &models_[first + kind * kContexts[i] + within[i]];
     models.back() = &models_[first + kind];
-    if (!code_bit(bits_, models, kQuick, value)) return false;
+    code_bit(bits_, models, kQuick, value);
     flags.push_back(value);
-    return true;
   }
 
   Parent parent_at(int level, int64_t x, int64_t y) const {
