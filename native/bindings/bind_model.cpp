@@ -28,15 +28,14 @@ using Strided = nb::ndarray<T, nb::ndim<D>, nb::device::cpu>;  // rows apart, ea
 
 void evaluate_network(Array<const int64_t, 2> w1, Array<const int64_t, 1> b1, Array<const int64_t, 2> w2,
                       Array<const int64_t, 1> b2, int shift, int predicted, Strided<const int16_t, 2> inputs,
-                      int threads, const std::string &isa, Array<int64_t, 2> out) {
-  const sgi::NetworkWeights weights = sgi::network_weights(w1, b1, w2, b2, shift, predicted);
+                      const std::string &isa, Array<int64_t, 2> out) {
+  const sgi::Network network(sgi::network_of(w1, b1, w2, b2, shift, predicted), sgi::choose_isa(isa));
   const size_t n = inputs.shape(0);
   require(inputs.shape(1) == w1.shape(1) && (n == 0 || inputs.stride(1) == 1 || inputs.shape(1) < 2),
           "inputs must be rows [n, inputs]");
-  require(has_shape(out, n, size_t(weights.outputs)), "out must be [n, outputs]");
-  nb::gil_scoped_release release;
-  sgi::evaluate_network(weights, inputs.data(), inputs.stride(0), int64_t(n), threads, sgi::choose_isa(isa),
-                        out.data());
+  require(has_shape(out, n, size_t(network.outputs())), "out must be [n, outputs]");
+  std::vector<double> scratch(size_t(network.scratch_size()));
+  network.evaluate(inputs.data(), inputs.stride(0), int64_t(n), scratch.data(), out.data());
 }
 
 auto cell_sums(Array<const float, 3> detail, std::optional<Array<const float, 2>> weights, int root_log, int threads) {
@@ -104,7 +103,7 @@ void bind_model(nb::module_ &m) {
   m.def("seed_gaussians", &seed_gaussians, "values"_a, "half_pixels"_a, "log_size"_a, "threads"_a, "isa"_a, "means"_a,
         "covariances"_a, "colours"_a);
   m.def("evaluate_network", &evaluate_network, "w1"_a, "b1"_a, "w2"_a, "b2"_a, "shift"_a, "predicted"_a, "inputs"_a,
-        "threads"_a, "isa"_a, "out"_a);
+        "isa"_a, "out"_a);
   nb::class_<sgi::HashGrid>(m, "HashGrid", "The binary hash grid H of a picture.")
       .def("__init__", &make_hash_grid, "resolutions"_a, "features"_a, "log2_entries"_a, "width"_a, "height"_a)
       .def_prop_ro("counts", &sgi::HashGrid::counts, "Signs of every resolution.")

@@ -21,11 +21,6 @@ std::vector<T> copy(const T *from, size_t count) {
   return {from, from + count};
 }
 
-template <class A>
-auto copy(const A &array) {
-  return copy(array.data(), array.size());
-}
-
 inline std::vector<GroupSteps> plan_of(const ModelSpec &spec, const Plan &given) {
   const std::vector<SeedGroup> groups = spec.groups();
   require(given.size() == groups.size(), "a plan has the steps of every group");
@@ -47,13 +42,10 @@ inline Networks networks_of(const ModelSpec &spec, const NetworkArrays &given) {
   for (const auto &[w1, b1, w2, b2, shift] : given) {
     const size_t step = networks.size();
     const int inputs = input_count(spec, int(step)), outputs = network_outputs(spec, steps[step]);
-    const int hidden = spec.context.hidden, predicted = (outputs - int(steps[step].size())) / 2;
-    require(has_shape(w1, size_t(hidden), size_t(inputs)) && b1.shape(0) == size_t(hidden) &&
-                has_shape(w2, size_t(outputs), size_t(hidden)) && b2.shape(0) == size_t(outputs),
+    const int predicted = (outputs - int(steps[step].size())) / 2;
+    require(has_shape(w1, size_t(spec.context.hidden), size_t(inputs)) && w2.shape(0) == size_t(outputs),
             "a network has the weights of its coding step");
-    networks.push_back(std::make_shared<const IntNetwork>(
-        IntNetwork{copy(w1), copy(b1), copy(w2), copy(b2), inputs, hidden, outputs, predicted, shift}));
-    networks.back()->require_exact();
+    networks.push_back(std::make_shared<const IntNetwork>(network_of(w1, b1, w2, b2, shift, predicted)));
   }
   return networks;
 }

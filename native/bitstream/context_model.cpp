@@ -44,7 +44,7 @@ AttributeModel attribute_model(const ModelSpec &spec, const std::vector<GroupSte
   const auto steps = coding_steps(spec);
   for (size_t s = 0; s < steps.size(); ++s) {
     const IntNetwork &network = *networks[s];
-    AttributeStep step{std::make_unique<Network>(network.view(), isa), network.inputs, network.predicted, {}};
+    AttributeStep step{std::make_unique<Network>(network, isa), network.inputs, network.predicted, {}};
     int64_t units = 0;
     for (size_t g = 0; g < steps[s].size(); ++g, ++steps_of) {
       const SeedGroup &group = steps[s][g];

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "base/bytes.hpp"
-#include "model/int_network.hpp"
+#include "model/network.hpp"
 #include "model/spec.hpp"
 
 namespace sgi {

@@ -3,7 +3,10 @@
 // Narrow networks have weights of 16 bits and sums of 32, as all have that were trained. Wide ones, whatever else a
 // stream may hold, are evaluated in plain integers of 64 bits.
 #pragma once
-#include "model/network.hpp"
+#include <cstdint>
+
+#include "base/isa.hpp"
+#include "model/constants.hpp"
 
 namespace sgi {
 

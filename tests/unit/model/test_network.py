@@ -32,10 +32,10 @@ def products(net: IntNetwork, rows: np.ndarray) -> list[list[int]]:
     return np.concatenate([means, others], axis=1).tolist()
 
 
-def predict(net: IntNetwork, rows: np.ndarray, isa: str, threads: int = 1) -> list[list[int]]:
+def predict(net: IntNetwork, rows: np.ndarray, isa: str) -> list[list[int]]:
     """By the library."""
     out = np.empty((len(rows), len(net.w2)), np.int64)
-    evaluate_network(*net.arrays, net.shift, net.predicted, rows, threads, isa, out)
+    evaluate_network(*net.arrays, net.shift, net.predicted, rows, isa, out)
     return out.tolist()
 
 
@@ -56,9 +56,8 @@ def test_predictions_are_those_of_integers(isa: str, inputs: list[list[int]], se
 
 
 @every_isa
-@pytest.mark.parametrize("threads", [1, 3])
 @pytest.mark.parametrize("shape", [(1, 1, 1), (44, 64, 5), (57, 100, 133), (30, 33, 32)])
-def test_any_shape_and_number_of_rows(isa: str, threads: int, shape: tuple[int, int, int]) -> None:
+def test_any_shape_and_number_of_rows(isa: str, shape: tuple[int, int, int]) -> None:
     """Rows of 16 bits that are parts of wider ones, as coding has them; more of them than a thread takes at once."""
     inputs, hidden, outputs = shape
     rng = np.random.default_rng(outputs)
@@ -69,7 +68,7 @@ def test_any_shape_and_number_of_rows(isa: str, threads: int, shape: tuple[int, 
         net = IntNetwork(*weights, 8, outputs // 2)
         for count in (0, 1, 6, 1100):
             x = rng.integers(-(2**15), 2**15, (count, inputs + 3)).astype(np.int16)[:, :inputs]
-            assert predict(net, x, isa, threads) == products(net, x)
+            assert predict(net, x, isa) == products(net, x)
 
 
 @every_isa
