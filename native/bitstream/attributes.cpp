@@ -1,8 +1,6 @@
 #include "bitstream/attributes.hpp"
 
 #include <algorithm>
-#include <atomic>
-#include <exception>
 #include <future>
 #include <iterator>
 
@@ -13,42 +11,36 @@
 namespace sgi {
 namespace {
 
-// Nearest seeds of earlier passes, pass after pass; searched by a thread of its own if `ahead`.
+using Table = std::vector<int32_t>;
+
+// Nearest seeds of earlier passes, pass after pass; those of the next pass are searched by a thread of its own if
+// `ahead`.
 class NeighboursByPass {
  public:
   NeighboursByPass(const TileSeeds &seeds, int ranks, Isa isa, bool ahead)
-      : seeds_(seeds), ranks_(ranks), isa_(isa), tables_(ahead ? seeds.passes.size() : 0) {
-    if (ahead) worker_ = std::async(std::launch::async, [this] { search_all(); });
+      : seeds_(seeds), ranks_(ranks), isa_(isa), policy_(ahead ? std::launch::async : std::launch::deferred) {
+    search_next();
   }
-  ~NeighboursByPass() { stop_ = true; }
 
   // [n, ranks] of the next pass, -1 where there is none.
-  std::vector<int32_t> next() {
-    const size_t pass = pass_++;
-    return tables_.empty() ? search(pass) : tables_[pass].get_future().get();
+  Table next() {
+    Table found = next_.get();
+    search_next();
+    return found;
   }
 
  private:
-  using Table = std::vector<int32_t>;
-
-  void search_all() {
-    for (size_t pass = 0; pass < tables_.size() && !stop_; ++pass) {
-      try {
-        tables_[pass].set_value(search(pass));
-      } catch (...) {
-        tables_[pass].set_exception(std::current_exception());
-        return;
-      }
-    }
+  void search_next() {
+    if (pass_ < seeds_.passes.size()) next_ = std::async(policy_, [this] { return search(); });
   }
 
-  Table search(size_t pass) {
-    const std::vector<int64_t> &members = seeds_.passes[pass];
+  Table search() {
+    const std::vector<int64_t> &members = seeds_.passes[pass_++];
     Table table(members.size() * size_t(ranks_), -1);
     if (!ranks_) return table;
     if (!earlier_.empty())
       nearest_among(seeds_.view.half_pixels, earlier_.data(), int64_t(earlier_.size()), members.data(),
-                    int64_t(members.size()), ranks_, 1, isa_, table.data());
+                    int64_t(members.size()), ranks_, isa_, table.data());
     std::vector<int64_t> both;
     both.reserve(earlier_.size() + members.size());
     std::merge(earlier_.begin(), earlier_.end(), members.begin(), members.end(), std::back_inserter(both));
@@ -59,11 +51,10 @@ class NeighboursByPass {
   const TileSeeds &seeds_;
   int ranks_;
   Isa isa_;
+  std::launch policy_;
   size_t pass_ = 0;
   std::vector<int64_t> earlier_;  // seeds, ascending
-  std::atomic<bool> stop_{false};
-  std::vector<std::promise<Table>> tables_;
-  std::future<void> worker_;  // its end is waited for first
+  std::future<Table> next_;       // its end is waited for first
 };
 
 class AttributeWalk {
@@ -144,7 +135,7 @@ class AttributeWalk {
   void begin_seeds(const std::vector<int64_t> &members, const std::vector<int32_t> &table, size_t begin, size_t count) {
     for (size_t i = begin; i < begin + count; ++i) log_size_[i] = seeds_.view.log_size[members[i]];
     seed_inputs(seeds_.view, {table.data() + begin * size_t(model_.ranks), model_.ranks}, summary_.data(),
-                members.data() + begin, int64_t(count), model_.quality, 1, inputs_.data() + begin * size_t(stride_),
+                members.data() + begin, int64_t(count), model_.quality, inputs_.data() + begin * size_t(stride_),
                 stride_);
     if (model_.grid)
       model_.grid->write_inputs(model_.grid_signs, seeds_.view.half_pixels, members.data() + begin, int64_t(count),
@@ -161,16 +152,16 @@ class AttributeWalk {
       const Coded &coded = coded_[s][g];
       const size_t at = begin * size_t(group.size());
       dequantise(coded.symbols + at, coded.mean.data() + at, coded.step.data() + at, members.data() + begin,
-                 int64_t(count), group.size(), group.first, 1, decoded_, model_.attributes);
+                 int64_t(count), group.size(), group.first, decoded_, model_.attributes);
     }
     if (model_.ranks || model_.steps.size() > 1)
-      summarise(values_, members.data() + begin, int64_t(count), 1, own_summary_.data() + begin * kSummary,
+      summarise(values_, members.data() + begin, int64_t(count), own_summary_.data() + begin * kSummary,
                 amplitude_.data() + begin);
   }
 
   void go_on(const std::vector<int64_t> &members, size_t s, size_t begin, size_t count) {
     finish(members, s - 1, begin, count);
-    own_inputs(own_summary_.data() + begin * kSummary, int64_t(count), int(s), model_.steps[0].inputs, 1,
+    own_inputs(own_summary_.data() + begin * kSummary, int64_t(count), int(s), model_.steps[0].inputs,
                inputs_.data() + begin * size_t(stride_), stride_);
   }
 
@@ -190,8 +181,8 @@ class AttributeWalk {
                                 predicted + 2 * step.predicted + group.refinement, outputs};
       const size_t at = begin * size_t(group.size());
       int16_t *tables = coded.tables.data() + at;
-      quantisers(plan, view, log_size_.data() + begin, int64_t(count), 1, coded.mean.data() + at,
-                 coded.step.data() + at, tables);
+      quantisers(plan, view, log_size_.data() + begin, int64_t(count), coded.mean.data() + at, coded.step.data() + at,
+                 tables);
       for (size_t i = 0; i < count * size_t(group.size()); ++i) tables[i] = int16_t(tables[i] + model_.first_table);
     }
   }

@@ -4,21 +4,12 @@
 #include <array>
 #include <cstring>
 
-#include "base/thread_pool.hpp"
 #include "model/steps.hpp"
 
 namespace sgi {
 namespace {
 
 constexpr int64_t kCoarseLimit = int64_t(1) << 20, kMeanLimit = int64_t(1) << 20;
-
-template <class Body>
-void for_each_seed(int64_t n, int threads, Body body) {
-  constexpr int64_t kChunk = 1024;
-  parallel_for((n + kChunk - 1) / kChunk, threads, [&](int64_t chunk) {
-    for (int64_t i = chunk * kChunk; i < std::min(n, (chunk + 1) * kChunk); ++i) body(i);
-  });
-}
 
 // floor(3 log2 E) - 72 for the energy E of values rounded to 2^-12: thirds of an octave of the energy.
 int32_t amplitude_index(const int64_t *values, int count) {
@@ -58,20 +49,19 @@ const std::array<int64_t, kStepCount> kSteps = all_steps();
 int64_t step_of(int64_t index) { return kSteps[size_t(index)]; }
 
 void seed_inputs(const SeedsView &seeds, const Neighbours &neighbours, const int16_t *summary, const int64_t *members,
-                 int64_t n, int quality, int threads, int16_t *out, int64_t stride) {
-  for_each_seed(n, threads, [&](int64_t i) {
+                 int64_t n, int quality, int16_t *out, int64_t stride) {
+  for (int64_t i = 0; i < n; ++i) {
     const int64_t seed = members[i];
     int16_t *row = out + i * stride;
     level_inputs_of<int>(seeds.log_size[seed], quality, row);
     if (neighbours.ranks)
       neighbour_inputs_of<int>(seeds, neighbours.seeds + i * neighbours.ranks, neighbours.ranks, summary, seed,
                                row + kLevelInputs);
-  });
+  }
 }
 
-void summarise(const AttributesView &a, const int64_t *members, int64_t n, int threads, int16_t *summary,
-               int32_t *amplitude) {
-  for_each_seed(n, threads, [&](int64_t i) {
+void summarise(const AttributesView &a, const int64_t *members, int64_t n, int16_t *summary, int32_t *amplitude) {
+  for (int64_t i = 0; i < n; ++i) {
     const int64_t *colour = a.values + members[i] * a.width + a.colour;
     const int64_t *shape = a.values + members[i] * a.width + a.shape;
     int16_t *row = summary + i * kSummary;
@@ -79,16 +69,16 @@ void summarise(const AttributesView &a, const int64_t *members, int64_t n, int t
     summarise_colour<int64_t>(a.channels, [&](int j) { return colour[j]; }, row);
     row[3] = int16_t(loudness_input(amplitude[i]));
     summarise_shape([&](int j) { return shape[j]; }, row);
-  });
+  }
 }
 
-void own_inputs(const int16_t *summary, int64_t n, int step, int64_t first, int threads, int16_t *out, int64_t stride) {
-  for_each_seed(n, threads, [&](int64_t i) { own_inputs_of(summary + i * kSummary, step, out + i * stride + first); });
+void own_inputs(const int16_t *summary, int64_t n, int step, int64_t first, int16_t *out, int64_t stride) {
+  for (int64_t i = 0; i < n; ++i) own_inputs_of(summary + i * kSummary, step, out + i * stride + first);
 }
 
-void quantisers(const GroupPlan &plan, const PredictionView &prediction, const int8_t *log_size, int64_t n, int threads,
+void quantisers(const GroupPlan &plan, const PredictionView &prediction, const int8_t *log_size, int64_t n,
                 int64_t *mean, int64_t *step, int16_t *scale) {
-  for_each_seed(n, threads, [&](int64_t i) {
+  for (int64_t i = 0; i < n; ++i) {
     const int level = level_of(log_size[i]);
     const int64_t refine = prediction.refine[i * prediction.stride];
     const int64_t fall = plan.amplitude ? fall_with(plan.gamma, int64_t(plan.amplitude[i]) - kAmplitudeZero) : 0;
@@ -100,15 +90,15 @@ void quantisers(const GroupPlan &plan, const PredictionView &prediction, const i
       step[at] = step_of(index);
       scale[at] = int16_t(std::clamp<int64_t>(kScaleZero + prediction.scale[from] + base - index, 0, kScaleCount - 1));
     }
-  });
+  }
 }
 
 void dequantise(const int32_t *symbols, const int64_t *mean, const int64_t *step, const int64_t *members, int64_t n,
-                int64_t size, int64_t first, int threads, int64_t *decoded, int64_t width) {
-  for_each_seed(n, threads, [&](int64_t i) {
+                int64_t size, int64_t first, int64_t *decoded, int64_t width) {
+  for (int64_t i = 0; i < n; ++i) {
     int64_t *to = decoded + members[i] * width + first;
     for (int64_t at = i * size; at < (i + 1) * size; ++at) *to++ = mean[at] + step[at] * symbols[at];
-  });
+  }
 }
 
 }  // namespace sgi

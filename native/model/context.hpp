@@ -16,7 +16,7 @@ struct Neighbours {
 // Inputs 1 and 2 of the seeds `members` [n]: cell size and quality, then, if there are ranks, what the neighbours'
 // summaries [N, 7] say. Writes the first columns of out [n, stride].
 void seed_inputs(const SeedsView &seeds, const Neighbours &neighbours, const int16_t *summary, const int64_t *members,
-                 int64_t n, int quality, int threads, int16_t *out, int64_t stride);
+                 int64_t n, int quality, int16_t *out, int64_t stride);
 
 struct AttributesView {
   const int64_t *values;  // [N, width] decoded
@@ -26,12 +26,12 @@ struct AttributesView {
 };
 
 // Summaries [n, 7] and amplitude indices [n] of the seeds `members`.
-void summarise(const AttributesView &attributes, const int64_t *members, int64_t n, int threads, int16_t *summary,
+void summarise(const AttributesView &attributes, const int64_t *members, int64_t n, int16_t *summary,
                int32_t *amplitude);
 
 // Input 4 of seeds with these summaries [n, 7], for a coding step: the columns from `first` on of out
 // [n, stride].
-void own_inputs(const int16_t *summary, int64_t n, int step, int64_t first, int threads, int16_t *out, int64_t stride);
+void own_inputs(const int16_t *summary, int64_t n, int step, int64_t first, int16_t *out, int64_t stride);
 
 struct GroupPlan {
   const int64_t *base;       // [size, kLevels] base step index of each attribute
@@ -48,12 +48,12 @@ struct PredictionView {
 
 // Mean and step (units of 2^-24) and scale index of every attribute of a group [n, size], of n seeds in cells of
 // log_size [n].
-void quantisers(const GroupPlan &plan, const PredictionView &prediction, const int8_t *log_size, int64_t n, int threads,
+void quantisers(const GroupPlan &plan, const PredictionView &prediction, const int8_t *log_size, int64_t n,
                 int64_t *mean, int64_t *step, int16_t *scale);
 
 // Writes mean + step * symbol of a group [n, size] to the columns from `first` on of the rows `members` of decoded
 // [N, width].
 void dequantise(const int32_t *symbols, const int64_t *mean, const int64_t *step, const int64_t *members, int64_t n,
-                int64_t size, int64_t first, int threads, int64_t *decoded, int64_t width);
+                int64_t size, int64_t first, int64_t *decoded, int64_t width);
 
 }  // namespace sgi

@@ -6,7 +6,6 @@
 #include <utility>
 #include <vector>
 
-#include "base/thread_pool.hpp"
 #include "model/neighbour_kernel.hpp"
 
 namespace sgi {
@@ -209,21 +208,10 @@ class Search {
   bool is_guessed_ = false;
 };
 
-void search_runs(const PointTree &tree, const int32_t *points, const int64_t *members, int64_t m, int k, int threads,
-                 Isa isa, int32_t *out) {
-  constexpr int64_t kChunk = 256;
-  parallel_for((m + kChunk - 1) / kChunk, threads, [&](int64_t chunk) {
-    Search search(tree, kernel_for<NeighbourKernel>(isa));
-    const int64_t end = std::min(m, (chunk + 1) * kChunk);
-    for (int64_t i = chunk * kChunk; i < end; i += kQueries)
-      search.answer(points, members + i, std::min<int64_t>(kQueries, end - i), k, out + i * k);
-  });
-}
-
 }  // namespace
 
 void nearest_among(const int32_t *points, const int64_t *among, int64_t n, const int64_t *members, int64_t m, int k,
-                   int threads, Isa isa, int32_t *out) {
+                   Isa isa, int32_t *out) {
   if (n == 0) {
     std::fill(out, out + m * k, -1);
     return;
@@ -231,10 +219,13 @@ void nearest_among(const int32_t *points, const int64_t *among, int64_t n, const
   Extent extent;
   extent.include(points, among, n), extent.include(points, members, m);
   const PointTree tree(points, among, n, extent);
-  if (k <= kMaxNeighbours && tree.is_narrow())
-    search_runs(tree, points, members, m, k, threads, isa, out);
-  else
-    parallel_for(m, threads, [&](int64_t i) { ExactSearch(tree, k, points + 2 * members[i]).write(out + i * k); });
+  if (k <= kMaxNeighbours && tree.is_narrow()) {
+    Search search(tree, kernel_for<NeighbourKernel>(isa));
+    for (int64_t i = 0; i < m; i += kQueries)
+      search.answer(points, members + i, std::min<int64_t>(kQueries, m - i), k, out + i * k);
+  } else {
+    for (int64_t i = 0; i < m; ++i) ExactSearch(tree, k, points + 2 * members[i]).write(out + i * k);
+  }
   for (int64_t i = 0; i < m * k; ++i)
     if (out[i] >= 0) out[i] = int32_t(among[out[i]]);
 }

@@ -57,9 +57,9 @@ void SeedContext::update(Group known, const Coded &coded, int row) {
   const AttributesView view{coded.decoded, model_.attributes(), model_.channels, 0, model_.channels};
   constexpr int64_t kOnly = 0;
   int16_t summary[kSummary];
-  summarise(view, &kOnly, 1, 1, summary, amplitude_.data() + row);
+  summarise(view, &kOnly, 1, summary, amplitude_.data() + row);
   const int64_t stride = model_.inputs[kOffset];
-  own_inputs(summary, 1, known + 1, model_.inputs[kColour], 1, rows_.data() + row * stride, stride);
+  own_inputs(summary, 1, known + 1, model_.inputs[kColour], rows_.data() + row * stride, stride);
 }
 
 void SeedContext::predict(Group group, int count, ReconstructionGrid *grids) {
@@ -70,7 +70,7 @@ void SeedContext::predict(Group group, int count, ReconstructionGrid *grids) {
   for (int row = 0; row < count; ++row) {
     const int64_t *out = out_.data() + int64_t(row) * outputs;
     if (group != kColour) plan.amplitude = amplitude_.data() + row;
-    quantisers(plan, {out, out + units, out + 2 * units, outputs}, &log_size_, 1, 1, grids[row].mean, grids[row].step,
+    quantisers(plan, {out, out + units, out + 2 * units, outputs}, &log_size_, 1, grids[row].mean, grids[row].step,
                grids[row].scale);
   }
 }

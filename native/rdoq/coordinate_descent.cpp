@@ -85,8 +85,10 @@ void search_seeds(const AttributeModel &coding, const TileSeeds &seeds, const Co
       pass.cell.push_back(std::ldexp(1.0f, pass.log_size.back()));
       for (int axis = 0; axis < 2; ++axis) pass.centre.push_back(0.5f * float(seeds.half_pixels[2 * i + axis]));
     }
-    seed_inputs(seeds.view, {neighbours[p].data(), coding.ranks}, summary.data(), members.data(), int64_t(n),
-                coding.quality, threads, pass.inputs.data(), stride);
+    for_each_chunk(int64_t(n), threads, [&](int64_t begin, int64_t end) {
+      seed_inputs(seeds.view, {neighbours[p].data() + begin * coding.ranks, coding.ranks}, summary.data(),
+                  members.data() + begin, end - begin, coding.quality, pass.inputs.data() + begin * stride, stride);
+    });
     search_pass(model, settings, residual, pass, threads, kernel);
     for (size_t i = 0; i < n; ++i) {
       const int64_t at = members[i] * d;
@@ -94,8 +96,8 @@ void search_seeds(const AttributeModel &coding, const TileSeeds &seeds, const Co
       out.change[members[i]] = pass.change[i];
     }
     own.resize(n * kSummary), amplitude.resize(n);
-    summarise({out.decoded, d, model.channels, coding.colour, coding.shape}, members.data(), int64_t(n), threads,
-              own.data(), amplitude.data());
+    summarise({out.decoded, d, model.channels, coding.colour, coding.shape}, members.data(), int64_t(n), own.data(),
+              amplitude.data());
     for (size_t i = 0; i < n; ++i)
       std::copy_n(own.data() + i * kSummary, kSummary, summary.data() + size_t(members[i]) * kSummary);
   }
