@@ -14,18 +14,6 @@ namespace {
 constexpr uint8_t kEndChunk[kEndBytes] = {0x45, 0x00, 0xbf, 0xa9, 0xd7, 0xcc};
 constexpr size_t kOffsetBytes = 8;
 constexpr int64_t kMaxUnlisted = 1 << 15;  // that are looked for one by one; every encoder writes an index
-constexpr size_t kFarthest = 1 << 16;      // how far the end of a varint is sought
-
-// As decode_varint, with the texts of a list of them.
-int64_t take(Bytes data, size_t &at) {
-  const size_t start = at, most = std::min(data.size - at, kFarthest);
-  size_t count = 0;
-  while (count < most && data.data[start + count] >= 0x80) ++count;
-  if (count == most) throw Error(Fault::corrupt, "varint: cut short, or longer than nine bytes; the stream is damaged");
-  if (count >= size_t(kMaxVarintBytes) || (count && !data.data[start + count]))
-    throw Error(Fault::corrupt, "varint: longer than nine bytes, or padded with a zero group");
-  return decode_varint(data, at);
-}
 
 }  // namespace
 
@@ -37,7 +25,7 @@ std::vector<ChunkPlace> decode_index(Bytes payload, int64_t count) {
   size_t fields = 0;
   int64_t stated = 0, offset = 0;
   for (size_t at = 0; at < data.size; ++fields) {
-    const int64_t field = take(data, at);
+    const int64_t field = decode_varint(data, at);
     if (!fields) stated = field;
     if (fields % 2) offset = field;
     if (fields && fields % 2 == 0 && fields < wanted) places.push_back({offset, field});
