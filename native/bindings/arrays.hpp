@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "base/bytes.hpp"
+
 namespace sgi {
 
 // An array of numpy or torch in main memory, D dimensions, contiguous; `const T` where it is only read.
@@ -18,6 +20,11 @@ using Array = nanobind::ndarray<T, nanobind::ndim<D>, nanobind::c_contig, nanobi
 // Raises ValueError in Python.
 inline void require(bool ok, const char *what) {
   if (!ok) throw std::invalid_argument(what);
+}
+
+// What an argument holds, as long as it lives.
+inline Bytes bytes_of(const nanobind::bytes &given) {
+  return {static_cast<const uint8_t *>(given.data()), given.size()};
 }
 
 template <class A>
@@ -40,6 +47,11 @@ template <class T, class Shown = T, size_t D>
 auto as_array(std::vector<T> values, const std::array<size_t, D> &shape) {
   T *first = values.data();
   return array_in<Shown>(std::move(values), first, shape);
+}
+template <class T>
+auto as_array(std::vector<T> values) {
+  const std::array shape{values.size()};
+  return as_array(std::move(values), shape);
 }
 
 }  // namespace sgi

@@ -104,8 +104,8 @@ class FromPython {
 
   void blob(const char *name, const char *, std::vector<uint8_t> &member, int64_t) {
     const auto given = nb::cast<nb::bytes>(get(name));
-    const auto *first = static_cast<const uint8_t *>(given.data());
-    member.assign(first, first + given.size());
+    const sgi::Bytes bytes = sgi::bytes_of(given);
+    member.assign(bytes.data, bytes.data + bytes.size);
   }
 
  private:
@@ -130,7 +130,7 @@ class FromPython {
 };
 
 nb::dict decode(const nb::bytes &payload) {
-  sgi::Header header = sgi::decode_header({static_cast<const uint8_t *>(payload.data()), payload.size()});
+  sgi::Header header = sgi::decode_header(sgi::bytes_of(payload));
   ToPython fields;
   sgi::visit_fields(header, fields);
   return fields.fields;

@@ -15,13 +15,12 @@ namespace nb = nanobind;
 using namespace nb::literals;
 using sgi::Array;
 using sgi::as_array;
+using sgi::bytes_of;
 using sgi::require;
 
 namespace {
 
 using Samples = Array<const float, 3>;
-
-sgi::Bytes bytes_of(const nb::bytes &bytes) { return {static_cast<const uint8_t *>(bytes.data()), bytes.size()}; }
 
 // Bits of a block, their P(1) in 2^-16, the CRC-32 of what a reader finds.
 auto code_residual(Samples samples, Samples drawn, nb::bytes header, nb::bytes form, Array<const uint8_t, 1> cells) {
@@ -44,9 +43,7 @@ auto code_residual(Samples samples, Samples drawn, nb::bytes header, nb::bytes f
   }
   const std::vector<float> &read = found.samples;
   const uint32_t crc = sgi::crc32({reinterpret_cast<const uint8_t *>(read.data()), sizeof(float) * read.size()});
-  const std::array count{bits.bits.size()};
-  return std::tuple(as_array<int32_t>(std::move(bits.bits), count), as_array<int32_t>(std::move(bits.ones), count),
-                    crc);
+  return std::tuple(as_array(std::move(bits.bits)), as_array(std::move(bits.ones)), crc);
 }
 
 // Bits of the table of a grid, and their P(1) in 2^-16.
@@ -54,8 +51,7 @@ auto code_table(bool is_float, double base, double step, int32_t most, Array<con
   sgi::ResidualGrid grid{base, step, most, 0, {table.data(), table.data() + table.size()}};
   sgi::BitRecorder bits;
   sgi::code_table(bits, is_float, grid);
-  const std::array count{bits.bits.size()};
-  return std::pair(as_array<int32_t>(std::move(bits.bits), count), as_array<int32_t>(std::move(bits.ones), count));
+  return std::pair(as_array(std::move(bits.bits)), as_array(std::move(bits.ones)));
 }
 
 }  // namespace

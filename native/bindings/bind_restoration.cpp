@@ -22,8 +22,7 @@ using OneOf = std::variant<int, nb::bytes>;
 std::shared_ptr<const sgi::RestorationNetwork> network_of(const OneOf &network) {
   const auto *file = std::get_if<nb::bytes>(&network);
   if (!file) return sgi::restoration_network(std::get<int>(network), {});
-  const sgi::Bytes bytes{static_cast<const uint8_t *>(file->data()), file->size()};
-  return std::make_shared<const sgi::RestorationNetwork>(sgi::parse_restoration(bytes));
+  return std::make_shared<const sgi::RestorationNetwork>(sgi::parse_restoration(sgi::bytes_of(*file)));
 }
 
 sgi::Restoration restoration_of(const Tile &drawn, const OneOf &network, int step, const std::string &isa) {

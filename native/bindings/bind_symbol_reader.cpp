@@ -24,9 +24,7 @@ using sgi::SymbolReader;
 
 namespace {
 
-void make_reader(SymbolReader *self, const nb::bytes &payload) {
-  new (self) SymbolReader({static_cast<const uint8_t *>(payload.data()), payload.size()});
-}
+void make_reader(SymbolReader *self, const nb::bytes &payload) { new (self) SymbolReader(sgi::bytes_of(payload)); }
 
 void require_keys(const Array<const int16_t, 1> &keys, int64_t count) {
   require(keys.size() < (size_t(1) << 31), "too many symbols");
@@ -34,17 +32,11 @@ void require_keys(const Array<const int16_t, 1> &keys, int64_t count) {
     require(keys.data()[i] >= 0 && keys.data()[i] < count, "a table or row is outside 0..count-1");
 }
 
-template <class T>
-auto flat(std::vector<T> values) {
-  const std::array shape{values.size()};
-  return as_array<T>(std::move(values), shape);
-}
-
 auto read_symbols(SymbolReader &reader, const Array<const int16_t, 1> &tables) {
   require_keys(tables, sgi::kTables);
   std::vector<int32_t> symbols(tables.size());
   reader.zero_centred(tables.data(), int64_t(tables.size()), symbols.data());
-  return flat(std::move(symbols));
+  return as_array(std::move(symbols));
 }
 
 auto read_flags(SymbolReader &reader, const Array<const int32_t, 1> &ones) {
@@ -54,23 +46,23 @@ auto read_flags(SymbolReader &reader, const Array<const int32_t, 1> &ones) {
     flags[i] = reader.decoder().decode_bit(uint32_t(ones.data()[i]));
   }
   reader.record(flags.data(), int64_t(flags.size()));
-  return flat(std::move(flags));
+  return as_array(std::move(flags));
 }
 
 auto read_bits(SymbolReader &reader, int bits, int64_t count) {
   require(bits >= 0 && bits <= 32 && count >= 0, "fields of 0 to 32 bits");
   const std::vector<int32_t> found = reader.values(bits, count);
-  return flat(std::vector<uint32_t>(found.begin(), found.end()));
+  return as_array(std::vector<uint32_t>(found.begin(), found.end()));
 }
 
 auto read_weights(SymbolReader &reader, int64_t count) {
   require(count >= 0, "a tensor has no negative size");
-  return flat(sgi::read_weights(reader, count));
+  return as_array(sgi::read_weights(reader, count));
 }
 
 auto read_signs(SymbolReader &reader, const std::vector<int64_t> &counts) {
   for (const int64_t count : counts) require(count >= 0, "a level has no negative size");
-  return flat(sgi::read_signs(reader, counts));
+  return as_array(sgi::read_signs(reader, counts));
 }
 
 auto read_base(SymbolReader &reader, int channels, int64_t rows, int64_t columns) {
@@ -89,7 +81,7 @@ void require_size(Size size) {
 auto arrays_of(sgi::Seeds seeds) {
   const size_t n = seeds.log_size.size();
   return std::tuple(as_array<int32_t>(std::move(seeds.corner), std::array{n, size_t(2)}),
-                    flat(std::move(seeds.log_size)));
+                    as_array(std::move(seeds.log_size)));
 }
 
 auto read_positions(SymbolReader &reader, Size size, int64_t most) {
@@ -105,7 +97,7 @@ auto read_tree(SymbolReader &reader, Size size, int64_t most) {
 // Bits as they are coded, their P(1) in 2^-16, and their information content.
 auto arrays_of(sgi::BitRecorder written) {
   const double content = written.account.total();
-  return std::tuple(flat(std::move(written.bits)), flat(std::move(written.ones)), content);
+  return std::tuple(as_array(std::move(written.bits)), as_array(std::move(written.ones)), content);
 }
 
 auto write_tree(Size size, const Array<const int32_t, 2> &corner, const Array<const int8_t, 1> &log_size) {

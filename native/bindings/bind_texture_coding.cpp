@@ -75,11 +75,6 @@ void require_field(const TextureField &field, Size size) {
           "the layer must have the roots of the tile");
 }
 
-auto numbers(std::vector<int32_t> values) {
-  const std::array shape{values.size()};
-  return as_array<int32_t>(std::move(values), shape);
-}
-
 sgi::TextureSteps steps_of(const Array<const float, 1> &steps, std::pair<float, float> slope) {
   for (size_t i = 0; i < steps.size(); ++i) require(steps.data()[i] > 0, "steps must be positive");
   require(slope.first >= 0 && slope.second >= 0, "slopes must not be negative");
@@ -111,15 +106,10 @@ class TextureModels {
   TextureModels() : models_(sgi::fresh_texture_models()) {}
   explicit TextureModels(BitModels models) : models_(std::move(models)) {}
   explicit TextureModels(nb::bytes state) : TextureModels() {
-    require(models_.start(reinterpret_cast<const uint8_t *>(state.data()), int64_t(state.size())),
-            "these are not texture models");
+    require(models_.start(sgi::bytes_of(state)), "these are not texture models");
   }
 
-  auto logits() const {
-    std::vector<int32_t> all = models_.logits();
-    const std::array shape{all.size()};
-    return as_array<int32_t>(std::move(all), shape);
-  }
+  auto logits() const { return as_array(models_.logits()); }
 
   void learn(LogSizes log_size, Contrasts contrast, SymbolPlanes symbols, Size size, bool has_contrast) {
     const TextureField field = field_of(log_size, contrast, symbols);
@@ -137,8 +127,8 @@ class TextureModels {
         "a layer has cells; all begin inside the tile and have symbols, up to 16390 either way; there are no others; "
         "contrasts are where there is texture");
     const double content = written.bits.account.total();
-    return std::tuple(numbers(std::move(written.bits.bits)), numbers(std::move(written.bits.ones)),
-                      numbers(std::move(written.symbols)), content);
+    return std::tuple(as_array(std::move(written.bits.bits)), as_array(std::move(written.bits.ones)),
+                      as_array(std::move(written.symbols)), content);
   }
 
   auto search(const sgi::TextureAmplitudes &amplitudes, Contrasts contrast, Array<const float, 1> steps,

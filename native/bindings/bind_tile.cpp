@@ -17,6 +17,7 @@
 namespace nb = nanobind;
 using namespace nb::literals;
 using sgi::Array;
+using sgi::bytes_of;
 using sgi::require;
 
 namespace {
@@ -25,8 +26,6 @@ constexpr const char *kPartNames[sgi::kParts] = {"steps",         "base",       
                                                  "context model", "colour",      "shape",     "feature",  "scales",
                                                  "offset",        "restoration", "texture",   "check"};
 constexpr const char *kGroupNames[] = {"colour", "shape", "feature", "scales", "offset"};
-
-sgi::Bytes bytes_of(const nb::bytes &bytes) { return {static_cast<const uint8_t *>(bytes.data()), bytes.size()}; }
 
 // A tile's model and what it was read with, which tells the shapes of its arrays.
 struct ReadTile {

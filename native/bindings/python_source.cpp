@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "base/error.hpp"
+#include "bindings/arrays.hpp"
 #include "bindings/held.hpp"
 
 namespace nb = nanobind;
@@ -16,8 +17,7 @@ namespace {
 
 class BytesSource : public ByteSource {
  public:
-  explicit BytesSource(const nb::bytes &bytes)
-      : held_(bytes), memory_(memory_source({static_cast<const uint8_t *>(bytes.data()), bytes.size()})) {}
+  explicit BytesSource(const nb::bytes &bytes) : held_(bytes), memory_(memory_source(bytes_of(bytes))) {}
   std::optional<uint64_t> size() override { return memory_->size(); }
   size_t read(uint64_t offset, uint8_t *out, size_t count) override { return memory_->read(offset, out, count); }
 

@@ -61,8 +61,7 @@ struct SeedCoding {
   SeedCoding(const nanobind::bytes &fields, const Array<const int32_t, 2> &corners,
              const Array<const int8_t, 1> &log_sizes, const Plan &plan, const NetworkArrays &networks,
              const std::string &isa)
-      : header(decode_header({static_cast<const uint8_t *>(fields.data()), fields.size()})), corner(copy(corners)),
-        log_size(copy(log_sizes)),
+      : header(decode_header(bytes_of(fields))), corner(copy(corners)), log_size(copy(log_sizes)),
         model(attribute_model(header.spec, plan_of(header.spec, plan), networks_of(header.spec, networks),
                               header.quality, header.family, choose_isa(isa))),
         seeds(header.spec.context, (require_seeds(corners, log_sizes), corner), log_size) {}

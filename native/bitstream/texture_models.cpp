@@ -11,10 +11,10 @@ std::vector<int32_t> BitModels::logits() const {
   return logits;
 }
 
-bool BitModels::start(const uint8_t *bytes, int64_t size) {
-  if (size != int64_t(models_.size())) return false;
+bool BitModels::start(Bytes bytes) {
+  if (bytes.size != models_.size()) return false;
   std::fill(models_.begin(), models_.end(), BitModel());
-  for (size_t i = 0; i < models_.size(); ++i) models_[i].move(int32_t(int8_t(bytes[i])) * (1 << 12));
+  for (size_t i = 0; i < models_.size(); ++i) models_[i].move(int32_t(int8_t(bytes.data[i])) * (1 << 12));
   return true;
 }
 

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "base/bytes.hpp"
 #include "bitstream/bit_model.hpp"
 
 namespace sgi {
@@ -35,7 +36,7 @@ class BitModels {
 
   // What all contexts say, in 2^-16; and from bytes, each in 2^-4: false if these are not of this size.
   std::vector<int32_t> logits() const;
-  bool start(const uint8_t *bytes, int64_t size);
+  bool start(Bytes bytes);
 
  private:
   std::vector<BitModel> models_;

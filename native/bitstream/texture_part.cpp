@@ -23,8 +23,7 @@ constexpr int kPlain = 2, kColoured = 3;
 
 BitModels shipped_models() {
   BitModels models = fresh_texture_models();
-  const Bytes state = shipped_texture();
-  if (!models.start(state.data, int64_t(state.size))) throw std::logic_error("texture models of another size");
+  if (!models.start(shipped_texture())) throw std::logic_error("texture models of another size");
   return models;
 }
 
