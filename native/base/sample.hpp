@@ -13,4 +13,14 @@ constexpr double largest_of(SampleType type) {
   return type == SampleType::u8 ? 255 : type == SampleType::u16 ? 65535 : 1;
 }
 
+// What body(a sample of a type) returns.
+template <class Body>
+auto with_sample(SampleType type, const Body &body) {
+  switch (type) {
+    case SampleType::u8: return body(uint8_t{});
+    case SampleType::u16: return body(uint16_t{});
+    default: return body(float{});
+  }
+}
+
 }  // namespace sgi

@@ -95,21 +95,12 @@ class ChunkReader {
   }
 
   float value() {
-    switch (header_.sample_type) {
-      case SampleType::u8: return stored<uint8_t>();
-      case SampleType::u16: return stored<uint16_t>();
-      case SampleType::f32: break;
-    }
-    return stored<float>();
-  }
-
-  template <class T>
-  float stored() {
-    T value;
-    if (sizeof value > payload_.size - at_) refuse("ends inside its exact samples");
-    std::memcpy(&value, payload_.data + at_, sizeof value);
-    at_ += sizeof value;
-    return float(value);
+    return with_sample(header_.sample_type, [&](auto value) {
+      if (sizeof value > payload_.size - at_) refuse("ends inside its exact samples");
+      std::memcpy(&value, payload_.data + at_, sizeof value);
+      at_ += sizeof value;
+      return float(value);
+    });
   }
 
   const Header &header_;

@@ -24,14 +24,6 @@ ResidualTable table_of(StreamReader &chunks) {
   return read(true);
 }
 
-// Calls with a sample of the type.
-template <class Function>
-void with_type(SampleType type, const Function &function) {
-  if (type == SampleType::u8) return function(uint8_t{});
-  if (type == SampleType::u16) return function(uint16_t{});
-  function(float{});
-}
-
 }  // namespace
 
 ExactBlocks::ExactBlocks(StreamReader &chunks, const DecoderSettings &settings)
@@ -103,7 +95,7 @@ std::vector<float> ExactBlocks::drawn(const Place &place, const Draw &draw) cons
   std::vector<float> samples(size_t(place.height * place.width) * coded.size());
   if (is_alpha()) return samples;
   const int64_t count = chunks_.header().spec.channels, stride = place.width * count;
-  with_type(chunks_.header().sample_type, [&](auto sample) {
+  with_sample(chunks_.header().sample_type, [&](auto sample) {
     std::vector<decltype(sample)> found(size_t(place.height * stride));
     draw(place, {found.data(), place.width, place.height, stride});
     float *to = samples.data();
@@ -123,7 +115,7 @@ void ExactBlocks::copy(int64_t number, int64_t x, int64_t y, const PixelBlock &o
   for (int64_t row = top; row < bottom; ++row) {
     const float *source = samples + ((row - from.y) * from.width + left - from.x) * known;
     const int64_t target = (row - y) * out.stride + (left - x) * count;
-    with_type(type, [&](auto sample) {
+    with_sample(type, [&](auto sample) {
       auto *first = static_cast<decltype(sample) *>(out.first) + target;
       for (int64_t i = 0; i < right - left; ++i)
         for (int64_t c = 0; c < known; ++c)

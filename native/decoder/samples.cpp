@@ -97,16 +97,6 @@ void for_each_row(const PixelBlock &block, int threads, Body body) {
   });
 }
 
-// Calls body(a sample's type as a null pointer).
-template <class Body>
-void as_type(SampleType type, Body body) {
-  switch (type) {
-    case SampleType::u8: return body(static_cast<uint8_t *>(nullptr));
-    case SampleType::u16: return body(static_cast<uint16_t *>(nullptr));
-    case SampleType::f32: return body(static_cast<float *>(nullptr));
-  }
-}
-
 }  // namespace
 
 void SampleFormat::store(const float *values, const PixelBlock &block, int threads) const {
@@ -132,8 +122,8 @@ void SampleFormat::store_dithered(const float *values, int64_t x, int64_t y, con
 }
 
 void SampleFormat::fill(double sample, const PixelBlock &block) const {
-  as_type(type, [&](auto *kind) {
-    using T = std::remove_pointer_t<decltype(kind)>;
+  with_sample(type, [&](auto kind) {
+    using T = decltype(kind);
     for (int64_t row = 0; row < block.rows; ++row)
       std::fill_n(static_cast<T *>(block.first) + row * block.stride, block.columns * channels, T(sample));
   });
@@ -145,16 +135,16 @@ T SampleFormat::beside_nodata(int channel) const {
 }
 
 void SampleFormat::mark_transparent(const uint8_t *empty, const PixelBlock &row) const {
-  as_type(type, [&](auto *kind) {
-    auto *samples = static_cast<std::remove_pointer_t<decltype(kind)> *>(row.first);
+  with_sample(type, [&](auto kind) {
+    auto *samples = static_cast<decltype(kind) *>(row.first);
     for (int64_t i = 0; i < row.columns; ++i)
       if (empty[i]) samples[i * channels + alpha] = 0;
   });
 }
 
 void SampleFormat::mark_nodata(const uint8_t *empty, const PixelBlock &row, int first, int last) const {
-  as_type(type, [&](auto *kind) {
-    using T = std::remove_pointer_t<decltype(kind)>;
+  with_sample(type, [&](auto kind) {
+    using T = decltype(kind);
     for (int c = first; c < last; ++c) {
       const T nothing = T(nodata_), next = beside_nodata<T>(c);
       T *sample = static_cast<T *>(row.first) + c;
@@ -170,8 +160,8 @@ void SampleFormat::mark_nodata(const uint8_t *empty, const PixelBlock &row, int 
 void SampleFormat::state(double sample, int channel, const PixelBlock &block) const {
   const double span = source_to_[channel] - source_from_[channel];
   const float value = mapped(float((sample - source_from_[channel]) / span), low_[channel], span_[channel]);
-  as_type(type, [&](auto *kind) {
-    using T = std::remove_pointer_t<decltype(kind)>;
+  with_sample(type, [&](auto kind) {
+    using T = decltype(kind);
     T exact = is_source_ ? T(sample) : stored<T>(value);
     if (has_nodata_ && equals(exact, nodata_)) exact = beside_nodata<T>(channel);
     for (int64_t row = 0; row < block.rows; ++row) {
