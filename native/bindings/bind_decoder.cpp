@@ -111,10 +111,10 @@ nb::object draw(sgi::Stream &self, const ViewFields &fields, int64_t top, int64_
   const sgi::PictureView view = view_of(fields);
   require(top >= 0 && rows > 0 && rows <= sgi::kMaxSide, "top and rows must be rows of the view");
   require(mapped || type == "float32", "values are float32");
-  if (type == "uint8") return drawn<uint8_t>(self, view, top, rows, sgi::Output::u8, options);
-  if (type == "uint16") return drawn<uint16_t>(self, view, top, rows, sgi::Output::u16, options);
+  if (type == "uint8") return drawn<uint8_t>(self, view, top, rows, sgi::SampleType::u8, options);
+  if (type == "uint16") return drawn<uint16_t>(self, view, top, rows, sgi::SampleType::u16, options);
   require(type == "float32", "samples must be uint8, uint16 or float32");
-  return drawn<float>(self, view, top, rows, mapped ? sgi::Output::f32 : sgi::Output::values, options);
+  return drawn<float>(self, view, top, rows, mapped ? sgi::SampleType::f32 : sgi::kValues, options);
 }
 
 auto survey(sgi::Stream &self) {

@@ -22,13 +22,13 @@ using sgi::ChannelLayout;
 using sgi::Error;
 using sgi::Fault;
 using sgi::Header;
-using sgi::Output;
 using sgi::PictureView;
+using sgi::SampleType;
 
 constexpr double kFarthest = double(int64_t(1) << 30);  // pixels from the picture's corner
 constexpr int64_t kMaxSamples = int64_t(1) << 31;       // of one call
-constexpr Output kOutputs[] = {Output::u8, Output::u16, Output::f32};
-constexpr int64_t kSampleBytes[] = {1, 2, 4};
+
+SampleType type_of(const sgi_view &view) { return SampleType(view.sample); }
 
 bool has_four(const sgi_view &view) { return view.pixels != SGI_PIXELS_CHANNELS; }
 
@@ -73,7 +73,7 @@ void check_pixels(const sgi_view &view, const Header &header) {
 
 void check_buffer(const void *buffer, size_t stride, const sgi_view &view, const Header &header) {
   require(buffer, "a null pointer for the buffer");
-  const size_t bytes = size_t(kSampleBytes[view.sample]), row = bytes * view.columns * size_t(samples_of(view, header));
+  const size_t bytes = size_t(bytes_of(type_of(view))), row = bytes * view.columns * size_t(samples_of(view, header));
   if (stride < row) misuse("a stride of " + std::to_string(stride) + " bytes; a row takes " + std::to_string(row));
   require(stride <= size_t(PTRDIFF_MAX) / size_t(row_count(view)), "a buffer larger than memory can be");
   require(reinterpret_cast<uintptr_t>(buffer) % bytes == 0 && stride % bytes == 0,
@@ -85,14 +85,14 @@ template <class T>
 void give_colours(const sgi_view &view, const PictureView &shown, const Header &header, void *buffer, size_t stride) {
   const PixelOrder order{header.channels, view.pixels == SGI_PIXELS_BGRA, view.premultiplied != 0};
   const bool has_nodata = header.masked == sgi::Masked::nodata;
-  const double nodata = sgi::SampleFormat(header, kOutputs[view.sample], header.nodata).blank;
+  const double nodata = sgi::SampleFormat(header, type_of(view), header.nodata).blank;
   const sgi::InnerView inner = sgi::inner_view(shown, header.width, header.height);
   const int64_t columns = view.columns, first = view.first_row;
   std::vector<uint8_t> empty(size_t(columns), 0);
   for (int64_t row = 0; row < row_count(view); ++row) {
     T *const samples = reinterpret_cast<T *>(static_cast<unsigned char *>(buffer) + size_t(row) * stride);
     if (has_nodata) find_nodata(samples, columns, header.spec.channels, header.colours(), nodata, empty.data());
-    reorder(order, samples, columns, T(sgi::largest_of(sgi::SampleType(view.sample))));
+    reorder(order, samples, columns, T(sgi::largest_of(type_of(view))));
     const int64_t y = first + row - inner.top;
     const bool is_outside = y < 0 || y >= inner.view.rows;
     for (int64_t column = 0; column < columns; ++column)
@@ -114,10 +114,9 @@ sgi_status sgi_draw(sgi_stream *stream, const sgi_view *view, void *buffer, size
     const PictureView shown{wanted.x,       wanted.y,   wanted.columns / wanted.width, wanted.rows / wanted.height,
                             wanted.columns, wanted.rows};
     const sgi::DrawOptions how{wanted.exact != 0, !wanted.no_dither, wanted.lossy != 0};
-    drawn.draw(shown, wanted.first_row, row_count(wanted), kOutputs[wanted.sample], how, buffer, int64_t(stride));
+    drawn.draw(shown, wanted.first_row, row_count(wanted), type_of(wanted), how, buffer, int64_t(stride));
     if (!has_four(wanted)) return;
-    if (wanted.sample == SGI_SAMPLE_U8) give_colours<uint8_t>(wanted, shown, header, buffer, stride);
-    if (wanted.sample == SGI_SAMPLE_U16) give_colours<uint16_t>(wanted, shown, header, buffer, stride);
-    if (wanted.sample == SGI_SAMPLE_F32) give_colours<float>(wanted, shown, header, buffer, stride);
+    sgi::with_sample(type_of(wanted),
+                     [&](auto sample) { give_colours<decltype(sample)>(wanted, shown, header, buffer, stride); });
   });
 }

@@ -44,7 +44,7 @@ class Compositor {
  public:
   Compositor(const Header &header, const PictureView &view, const Drawing &drawing)
       : header_(header), view_(view), drawing_(drawing), format_(drawing.format),
-        values_(header, Output::values, std::nullopt, format_.isa) {}
+        values_(header, kValues, std::nullopt, format_.isa) {}
 
   void draw(const Piece &piece, const std::vector<TileRenderer *> &tiles, int64_t x, int64_t y,
             const PixelBlock &block) {

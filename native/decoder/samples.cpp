@@ -14,16 +14,6 @@ namespace {
 constexpr int64_t kApart = 56;      // pixels by which the noise of a channel is shifted
 constexpr double kRounding = 1e-3;  // levels by which a sample may be off for the rounding of floats
 
-SampleType type_of(Output output, SampleType source) {
-  switch (output) {
-    case Output::u8: return SampleType::u8;
-    case Output::u16: return SampleType::u16;
-    case Output::f32: return SampleType::f32;
-    case Output::values: break;
-  }
-  return source;
-}
-
 // Nodata in another type; 0 for one that lies outside the range of samples or is not a number, or where ranges differ.
 double converted(double nodata, const Header &header, SampleType type) {
   const double low = header.low[0], high = header.high[0];
@@ -62,10 +52,9 @@ bool equals(T sample, double value) {
 }  // namespace
 
 SampleFormat::SampleFormat(const Header &header, Output output, std::optional<double> nodata, Isa isa)
-    : type(output == Output::values ? SampleType::f32 : type_of(output, header.sample_type)),
-      channels(header.spec.channels), alpha(header.alpha()),
-      blank(nodata ? nodata_in(header, type_of(output, header.sample_type), nodata) : 0), isa(isa),
-      is_mapped_(output != Output::values), is_source_(type == header.sample_type),
+    : type(output.value_or(SampleType::f32)), channels(header.spec.channels), alpha(header.alpha()),
+      blank(nodata ? nodata_in(header, output.value_or(header.sample_type), nodata) : 0), isa(isa),
+      is_mapped_(output.has_value()), is_source_(type == header.sample_type),
       has_nodata_(header.masked == Masked::nodata), from_(is_source_ ? header.low : std::vector<double>(channels, 0)),
       to_(is_source_ ? header.high : std::vector<double>(channels, largest_of(type))), source_from_(header.low),
       source_to_(header.high), nodata_(nodata_in(header, type, nodata)), low_(channels), span_(channels),

@@ -10,8 +10,9 @@
 
 namespace sgi {
 
-// How samples are stored: as floats, nominally 0 ... 1 and not clipped, or as samples of a type.
-enum class Output { values, u8, u16, f32 };
+// How samples are stored: as samples of a type, or as floats, nominally 0 ... 1 and not clipped.
+using Output = std::optional<SampleType>;
+constexpr Output kValues{};
 
 // Output pixels [rows, columns, C] that somebody else holds; rows are `stride` samples apart.
 struct PixelBlock {

@@ -32,12 +32,6 @@ std::optional<double> nodata_of(const Header &header) {
   return header.masked == Masked::nodata ? std::optional(header.nodata) : std::nullopt;
 }
 
-// As which samples of the source's type come out.
-Output own_output(const Header &header) {
-  const SampleType type = header.sample_type;
-  return type == SampleType::u8 ? Output::u8 : type == SampleType::u16 ? Output::u16 : Output::f32;
-}
-
 // One checksum of the symbols of several tiles; that of a single one is its own.
 uint32_t joined_crc(const std::vector<uint32_t> &crcs) {
   if (crcs.size() == 1) return crcs[0];
@@ -100,11 +94,11 @@ void Stream::draw_inside(const PictureView &view, int64_t top, const PixelBlock 
   const Drawing drawing{format, options.dither && format.is_dithered(header().sample_type), settings_.threads,
                         settings_.between};
   ExactBlocks *blocks = options.lossy ? nullptr : exact_blocks();
-  const bool is_whole = view.is_plain() && output == own_output(header()), is_alpha = blocks && blocks->is_alpha();
+  const bool is_whole = view.is_plain() && output == header().sample_type, is_alpha = blocks && blocks->is_alpha();
   if (!blocks || !(is_whole || is_alpha || blocks->has_views()))
     return draw_view(header(), tiles_, view, top, block, drawing);
   // nodata: whatever `set_blank` says
-  const SampleFormat source(header(), own_output(header()), nodata_of(header()), format.isa);
+  const SampleFormat source(header(), header().sample_type, nodata_of(header()), format.isa);
   const Drawing plain{source, false, drawing.threads, drawing.between};
   const auto draw = [&](const ExactBlocks::Place &at, const PixelBlock &out) {
     const PictureView whole{double(at.x), double(at.y), 1, 1, at.width, at.height};
@@ -162,8 +156,8 @@ void Stream::check_exact() {
   if (!exact_blocks()) return;
   check_residual();
   constexpr int64_t kSamples = int64_t(1) << 24;  // at a time, or a block
-  const Output own = own_output(header());
-  const int64_t pixel = header().spec.channels * SampleFormat(header(), own, std::nullopt).sample_bytes();
+  const SampleType own = header().sample_type;
+  const int64_t pixel = header().spec.channels * bytes_of(own);
   const int64_t blocks = std::max<int64_t>(1, kSamples / (kResidualBlock * kResidualBlock * header().spec.channels));
   const int64_t side = std::min(header().width, blocks * kResidualBlock);
   std::vector<uint8_t> samples(size_t(side * kResidualBlock * pixel));

@@ -159,7 +159,7 @@ const TileRenderer::Whole *TileRenderer::whole(const PictureView &view, int thre
   const int64_t samples = columns * rows * header_.spec.channels;
   if (columns <= 0 || rows <= 0 || samples > kWholeSamples) return nullptr;
   Whole drawn{view, left, top, columns, rows, std::vector<float>(samples)};
-  const SampleFormat values(header_, Output::values, std::nullopt, settings_.isa);
+  const SampleFormat values(header_, kValues, std::nullopt, settings_.isa);
   draw_blocks(view, left, top, {drawn.samples.data(), columns, rows, columns * header_.spec.channels}, values, threads);
   return &whole_.emplace(std::move(drawn));
 }

@@ -128,7 +128,7 @@ EMSCRIPTEN_KEEPALIVE int viewer_draw(Stream *stream, double x, double y, double 
     std::vector<uint8_t> samples(size_t(columns) * size_t(rows) * size_t(channels));
     // Else a residual layer changes what nobody sees, and takes its time.
     const DrawOptions fast{false, true, !stream->has_exact_views()};
-    stream->draw(view, 0, rows, Output::u8, fast, samples.data(), int64_t(columns) * channels);
+    stream->draw(view, 0, rows, SampleType::u8, fast, samples.data(), int64_t(columns) * channels);
     to_rgba(samples.data(), channels, header.channels, int64_t(columns) * rows, rgba);
     return 0;
   });
