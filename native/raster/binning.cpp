@@ -46,7 +46,6 @@ bool prepare_splat(const float *mean, const float *covariance, float cutoff, Spl
 void bin_gaussians(const float *means, const float *covariances, int64_t n, const View &view, float cutoff, int threads,
                    Bins &bins) {
   const int64_t chunks = (n + kChunk - 1) / kChunk;
-  bins.count = -1;
   find_tiles(means, covariances, n, view, cutoff, threads, bins);
   const auto chunk_end = [&](int64_t chunk) { return std::min(n, (chunk + 1) * kChunk); };
   int64_t slots = 0;
@@ -90,8 +89,6 @@ void bin_gaussians(const float *means, const float *covariances, int64_t n, cons
           bins.entries[next[*tile++]++] = {static_cast<int32_t>(i), static_cast<uint32_t>(slot)};
     });
   });
-  bins.count = n;
-  bins.view = view;
 }
 
 }  // namespace sgi

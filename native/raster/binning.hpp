@@ -11,9 +11,7 @@ namespace sgi {
 using View = TiledView<kTileWidth, kTileHeight>;
 
 struct Bins {
-  int64_t most_pairs;  // (tile, Gaussian) pairs that one call may list
-  int64_t count = -1;  // N, -1 before the first call and after one that threw
-  View view;
+  int64_t most_pairs;                              // (tile, Gaussian) pairs that one call may list
   std::vector<Splat> splats;                       // [N]
   std::vector<int64_t> slot_start;                 // [N + 1] first slot of every Gaussian
   std::vector<std::vector<uint32_t>> chunk_tiles;  // tiles of the slots of each run of Gaussians, in slot order

@@ -48,28 +48,10 @@ void backward_group(const Entry *entries, int64_t n, const Splat *splats, const 
 
 void backward(const Entry *entries, int64_t n, const Splat *splats, const float *colours, int channels, int x0, int y0,
               const float *grad, float *partials) {
-  for (int c = 0; c < channels;) {
-    const int left = channels - c;
-    const float *from = grad + c * kTilePlane;
-    switch (left) {
-      case 1:
-        backward_group<1>(entries, n, splats, colours, channels, c, x0, y0, from, partials);
-        c += 1;
-        break;
-      case 2:
-        backward_group<2>(entries, n, splats, colours, channels, c, x0, y0, from, partials);
-        c += 2;
-        break;
-      case 3:
-        backward_group<3>(entries, n, splats, colours, channels, c, x0, y0, from, partials);
-        c += 3;
-        break;
-      default:
-        backward_group<4>(entries, n, splats, colours, channels, c, x0, y0, from, partials);
-        c += 4;
-        break;
-    }
-  }
+  for_each_group(channels, [&](int c, auto group) {
+    backward_group<decltype(group)::value>(entries, n, splats, colours, channels, c, x0, y0, grad + c * kTilePlane,
+                                           partials);
+  });
 }
 
 // Clears what of a row of a tile lies outside the view; the part inside is [begin, end).

@@ -28,29 +28,10 @@ void draw_group(const Entry *entries, int64_t n, const Splat *splats, const floa
 template <Runs RUNS>
 void draw_tile(const Entry *entries, int64_t n, const Splat *splats, const float *colours, int channels, int x0, int y0,
                float least, float *tile) {
-  for (int c = 0; c < channels;) {
-    const int left = channels - c;
-    float *out = tile + c * kTilePlane;
-    const float *from = colours + c;
-    switch (left) {
-      case 1:
-        draw_group<RUNS, 1>(entries, n, splats, from, channels, x0, y0, least, out);
-        c += 1;
-        break;
-      case 2:
-        draw_group<RUNS, 2>(entries, n, splats, from, channels, x0, y0, least, out);
-        c += 2;
-        break;
-      case 3:
-        draw_group<RUNS, 3>(entries, n, splats, from, channels, x0, y0, least, out);
-        c += 3;
-        break;
-      default:
-        draw_group<RUNS, 4>(entries, n, splats, from, channels, x0, y0, least, out);
-        c += 4;
-        break;
-    }
-  }
+  for_each_group(channels, [&](int c, auto group) {
+    draw_group<RUNS, decltype(group)::value>(entries, n, splats, colours + c, channels, x0, y0, least,
+                                             tile + c * kTilePlane);
+  });
 }
 
 }  // namespace

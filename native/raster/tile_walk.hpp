@@ -1,6 +1,8 @@
 // The pixels of a tile that a Gaussian reaches, in vectors of LANES columns. What is visited beyond the ellipse depends
 // on LANES; what is drawn of it does not (`Splat`).
 #pragma once
+#include <type_traits>
+
 #include "base/vector.hpp"
 #include "raster/tile_kernel.hpp"
 
@@ -64,6 +66,13 @@ inline __attribute__((always_inline)) void for_each_row(const Splat &s, vf dx, i
 
 // The LANES columns of a Gaussian from `column` of the plane on, relative to its centre.
 inline vf columns_from(const Splat &s, int column) { return (iota() + float(column) + 0.5f) - s.x; }
+
+// Calls body(c, how many as a constant) for groups of at most four channels that begin at c.
+template <int CG = 4, class Body>
+inline void for_each_group(int channels, const Body &body, int c = 0) {
+  for (; c + CG <= channels; c += CG) body(c, std::integral_constant<int, CG>());
+  if constexpr (CG > 1) for_each_group<CG - 1>(channels, body, c);
+}
 
 template <int CG>
 inline void broadcast(const float *colour, vf (&c)[CG]) {
