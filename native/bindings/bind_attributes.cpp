@@ -16,13 +16,13 @@ using sgi::require;
 namespace {
 
 // The symbols nearest to values, but for a lean towards zero.
-class Quantiser : public sgi::AttributeSymbols {
+class Quantiser {
  public:
   // values [N, width]; leans: by scale index, of steps.
   Quantiser(const double *values, int64_t width, const double *leans, int first_table)
       : values_(values), width_(width), leans_(leans), first_table_(first_table) {}
 
-  void code(const sgi::AttributeRun &run, int32_t *symbols) override {
+  void code(const sgi::AttributeRun &run, int32_t *symbols) {
     const int64_t size = run.group.size();
     for (int64_t i = 0; i < run.count(); ++i) {
       const double value = values_[run.members[size_t(i / size)] * width_ + run.group.first + i % size];
@@ -74,8 +74,8 @@ auto quantise_attributes(const nb::bytes &header, Array<const int32_t, 2> corner
   std::vector<int64_t> decoded(count * width);
   {
     const nb::gil_scoped_release release;
-    std::vector<int32_t> symbols;
-    sgi::code_attributes(quantiser, coding.model, coding.seeds, threads, decoded.data(), symbols);
+    const auto code = [&](const sgi::AttributeRun &run, int32_t *symbols) { quantiser.code(run, symbols); };
+    sgi::code_attributes(code, coding.model, coding.seeds, threads, decoded.data());
   }
   std::vector<decltype(std::declval<Quantiser::Run>().arrays())> runs;
   for (Quantiser::Run &run : quantiser.runs) runs.push_back(std::move(run).arrays());

@@ -43,10 +43,8 @@ void code_signs(Bits &bits, const std::vector<int64_t> &counts, std::vector<int3
 std::vector<uint8_t> read_signs(SymbolReader &reader, const std::vector<int64_t> &counts) {
   std::vector<int32_t> signs(size_t(std::accumulate(counts.begin(), counts.end(), int64_t(0))));
   BitReader bits(reader.decoder());
-  const double before = reader.decoder().content();
   code_signs(bits, counts, signs);
   reader.record(signs.data(), int64_t(signs.size()));
-  reader.book(Part::hash_grid, reader.decoder().content() - before);
   return {signs.begin(), signs.end()};
 }
 

@@ -59,9 +59,9 @@ class NeighboursByPass {
 
 class AttributeWalk {
  public:
-  AttributeWalk(AttributeSymbols &coder, const AttributeModel &model, const TileSeeds &seeds, int threads,
-                int64_t *decoded, std::vector<int32_t> &symbols)
-      : coder_(coder), model_(model), seeds_(seeds), threads_(threads), decoded_(decoded), symbols_(symbols),
+  AttributeWalk(const AttributeSymbols &coder, const AttributeModel &model, const TileSeeds &seeds, int threads,
+                int64_t *decoded)
+      : coder_(coder), model_(model), seeds_(seeds), threads_(threads), decoded_(decoded),
         values_{decoded, model.attributes, model.channels, model.colour, model.shape},
         summary_(size_t(seeds.count) * kSummary) {
     for (const AttributeStep &step : model.steps) {
@@ -80,7 +80,7 @@ class AttributeWalk {
   struct Coded {
     std::vector<int64_t> mean, step;
     std::vector<int16_t> tables;
-    const int32_t *symbols = nullptr;
+    std::vector<int32_t> symbols;
   };
 
   template <class T>
@@ -127,7 +127,7 @@ class AttributeWalk {
     for (size_t g = 0; g < step.groups.size(); ++g) {
       const size_t count = n * size_t(step.groups[g].size());
       Coded &coded = coded_[s][g];
-      grow(coded.mean, count), grow(coded.step, count), grow(coded.tables, count);
+      grow(coded.mean, count), grow(coded.step, count), grow(coded.tables, count), grow(coded.symbols, count);
     }
   }
 
@@ -151,7 +151,7 @@ class AttributeWalk {
       const AttributeGroup &group = step.groups[g];
       const Coded &coded = coded_[s][g];
       const size_t at = begin * size_t(group.size());
-      dequantise(coded.symbols + at, coded.mean.data() + at, coded.step.data() + at, members.data() + begin,
+      dequantise(coded.symbols.data() + at, coded.mean.data() + at, coded.step.data() + at, members.data() + begin,
                  int64_t(count), group.size(), group.first, decoded_, model_.attributes);
     }
     if (model_.ranks || model_.steps.size() > 1)
@@ -193,19 +193,15 @@ class AttributeWalk {
       Coded &coded = coded_[s][g];
       const AttributeRun run{number++,          step.groups[g],    members,
                              coded.mean.data(), coded.step.data(), coded.tables.data()};
-      const size_t first = symbols_.size();
-      symbols_.resize(first + size_t(run.count()));  // within what was reserved: pointers stay good
-      coded.symbols = symbols_.data() + first;
-      coder_.code(run, symbols_.data() + first);
+      coder_(run, coded.symbols.data());
     }
   }
 
-  AttributeSymbols &coder_;
+  const AttributeSymbols &coder_;
   const AttributeModel &model_;
   const TileSeeds &seeds_;
   int threads_;
   int64_t *decoded_;
-  std::vector<int32_t> &symbols_;
   AttributesView values_;
   std::vector<int16_t> summary_;  // [N, kSummary] of seeds of earlier passes, zeros for others
   int64_t stride_ = 0;
@@ -234,18 +230,9 @@ std::vector<std::vector<int32_t>> neighbours_by_pass(const TileSeeds &seeds, int
   return found;
 }
 
-void code_attributes(AttributeSymbols &coder, const AttributeModel &model, const TileSeeds &seeds, int threads,
-                     int64_t *decoded, std::vector<int32_t> &symbols) {
-  size_t members = 0;
-  for (const std::vector<int64_t> &pass : seeds.passes) members += pass.size();
-  symbols.reserve(members * size_t(model.attributes));
-  AttributeWalk(coder, model, seeds, threads, decoded, symbols).code_all();
-}
-
-void AttributeReader::code(const AttributeRun &run, int32_t *symbols) {
-  const double before = decoder_.content();
-  read_zero_centred(decoder_, run.tables, run.count(), symbols);
-  bits[run.number] += decoder_.content() - before;
+void code_attributes(const AttributeSymbols &coder, const AttributeModel &model, const TileSeeds &seeds, int threads,
+                     int64_t *decoded) {
+  AttributeWalk(coder, model, seeds, threads, decoded).code_all();
 }
 
 }  // namespace sgi

@@ -2,10 +2,10 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <vector>
 
-#include "bitstream/read_symbols.hpp"
 #include "model/context.hpp"
 #include "model/hash_grid.hpp"
 #include "model/network.hpp"
@@ -67,27 +67,11 @@ struct AttributeRun {
 };
 
 // Says what symbols are, one run after the other.
-class AttributeSymbols {
- public:
-  virtual ~AttributeSymbols() = default;
-  virtual void code(const AttributeRun &run, int32_t *symbols) = 0;
-};
+using AttributeSymbols = std::function<void(const AttributeRun &run, int32_t *symbols)>;
 
-// Writes decoded [N, attributes], units of 2^-24, but for seeds of no pass; all symbols in coding order. With two
-// threads or more the neighbours of a pass are searched while the one before is coded.
-void code_attributes(AttributeSymbols &coder, const AttributeModel &model, const TileSeeds &seeds, int threads,
-                     int64_t *decoded, std::vector<int32_t> &symbols);
-
-// The symbols of a payload.
-class AttributeReader : public AttributeSymbols {
- public:
-  AttributeReader(RangeDecoder &decoder, size_t groups) : bits(groups), decoder_(decoder) {}
-  void code(const AttributeRun &run, int32_t *symbols) override;
-
-  std::vector<double> bits;  // information content of every group
-
- private:
-  RangeDecoder &decoder_;
-};
+// Writes decoded [N, attributes], units of 2^-24, but for seeds of no pass. With two threads or more the neighbours of
+// a pass are searched while the one before is coded.
+void code_attributes(const AttributeSymbols &coder, const AttributeModel &model, const TileSeeds &seeds, int threads,
+                     int64_t *decoded);
 
 }  // namespace sgi

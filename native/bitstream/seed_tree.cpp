@@ -75,7 +75,6 @@ Seeds read_tree(SymbolReader &reader, int64_t width, int64_t height, int64_t mos
   TreeNodes nodes(width, height);
   TreeCoding coding(bits, nodes, nullptr);
   int64_t split = 1, seeds = 0;
-  const double before = reader.decoder().content();
   const auto require_few = [&](int64_t count) {
     if (count > most) throw Error(Fault::limit, "positions: more than " + std::to_string(most) + " seeds");
   };
@@ -88,7 +87,6 @@ Seeds read_tree(SymbolReader &reader, int64_t width, int64_t height, int64_t mos
     reader.record(coding.flags.data(), int64_t(coding.flags.size()));
     coding.flags.clear();
   }
-  reader.book(Part::positions, reader.decoder().content() - before);
   return seeds_of(nodes);
 }
 

@@ -31,8 +31,7 @@ SymbolReader::SymbolReader(Bytes payload) : decoder_(decoder_of(payload)) {}
 std::vector<int32_t> SymbolReader::values(int bits, int64_t count) {
   std::vector<int32_t> found(static_cast<size_t>(count));
   decoder_.decode_uniform(bits, count, found.data());
-  record(found.data(), count);
-  book(part_, double(bits) * double(count));
+  note(found.data(), count, double(bits) * double(count));
   return found;
 }
 
@@ -44,15 +43,17 @@ std::vector<int32_t> SymbolReader::zero_centred(int table, int64_t n) {
 }
 
 void SymbolReader::zero_centred(const int16_t *tables, int64_t n, int32_t *symbols) {
-  const double before = decoder_.content();
   read_zero_centred(decoder_, tables, n, symbols);
   record(symbols, n);
-  book(part_, decoder_.content() - before);
 }
 
-void SymbolReader::record(const int32_t *symbols, int64_t n) {
+void SymbolReader::record(const int32_t *symbols, int64_t n) { note(symbols, n, decoder_.content() - content_); }
+
+void SymbolReader::note(const int32_t *symbols, int64_t n, double bits) {
   crc_ = crc32({reinterpret_cast<const uint8_t *>(symbols), 4 * size_t(n)}, crc_);
   count_ += n;
+  bits_[size_t(part_)] += bits;
+  content_ = decoder_.content();
 }
 
 void SymbolReader::finish(bool checked) {

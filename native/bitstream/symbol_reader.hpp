@@ -26,10 +26,10 @@ class SymbolReader {
   std::vector<int32_t> zero_centred(int table, int64_t n);
   void zero_centred(const int16_t *tables, int64_t n, int32_t *symbols);
 
-  // For what reads a part by itself: it says then what it has read, in coding order.
+  // For what reads by itself: it says then what it has read, in coding order, which costs what was decoded since the
+  // last time.
   RangeDecoder &decoder() { return decoder_; }
   void record(const int32_t *symbols, int64_t n);
-  void book(Part part, double bits) { bits_[size_t(part)] += bits; }
 
   // The end of the payload: the symbols must be those that were written, and nothing may be left. Without `checked`
   // whatever they are is taken.
@@ -40,9 +40,12 @@ class SymbolReader {
   int64_t count() const { return count_; }                          // of symbols
 
  private:
+  void note(const int32_t *symbols, int64_t n, double bits);
+
   RangeDecoder decoder_;
   Part part_ = Part::steps;
   std::array<double, kParts> bits_{};
+  double content_ = 0;  // of the decoder when symbols were noted last
   uint32_t crc_ = 0;
   int64_t count_ = 0;
 };

@@ -55,14 +55,6 @@ TextureColours read_colours(SymbolReader &reader) {
   return colours;
 }
 
-void read_layer(SymbolReader &reader, const TextureIndices &indices, std::pair<int64_t, int64_t> sides,
-                TextureField &field, TextureDequantizer *cells, const RowsRead &rows_read) {
-  const double before = reader.decoder().content();
-  const auto [width, height] = sides;
-  read_texture(shipped_texture_models(), reader, width, height, indices.has_contrast, field, cells, rows_read);
-  reader.book(Part::texture, reader.decoder().content() - before);
-}
-
 }  // namespace
 
 TextureSteps TextureIndices::steps() const {
@@ -103,7 +95,8 @@ CodedTexture read_texture_layer(SymbolReader &reader, TextureIndices indices, in
                                 int channels) {
   const auto sides = indices.grid.layer_sides(width, height);
   TextureField field = empty_field(sides.first, sides.second, channels);
-  read_layer(reader, indices, sides, field, nullptr, nullptr);
+  read_texture(shipped_texture_models(), reader, sides.first, sides.second, indices.has_contrast, field, nullptr,
+               nullptr);
   return {std::move(indices), std::move(field)};
 }
 
@@ -113,9 +106,11 @@ void read_texture_cells(SymbolReader &reader, const TextureIndices &indices, int
   TextureField field = empty_field(sides.first, sides.second, channels, KeptSymbols::last_rows);
   TextureDequantizer dequantizer(indices.steps(), indices.added(), indices.colours, cells);
   cells.reserve(field);
-  read_layer(reader, indices, sides, field, &dequantizer, [&](int64_t rows) {
+  const auto told = [&](int64_t rows) {
     rows_read(rows - indices.grid.top, cells.texture(channels, width, height, indices.grid));
-  });
+  };
+  read_texture(shipped_texture_models(), reader, sides.first, sides.second, indices.has_contrast, field, &dequantizer,
+               told);
 }
 
 }  // namespace sgi

@@ -127,11 +127,11 @@ void TileReader::read_attributes(TileModel &model) {
   const TileSeeds seeds(spec_.context, model.corner, model.log_size);
   model.decoded.resize(size_t(seeds.count * spec_.attributes()));
   const std::vector<SeedGroup> groups = spec_.groups();
-  AttributeReader attributes(reader_.decoder(), groups.size());
-  std::vector<int32_t> symbols;
-  code_attributes(attributes, of, seeds, how_.threads, model.decoded.data(), symbols);
-  reader_.record(symbols.data(), int64_t(symbols.size()));
-  for (size_t g = 0; g < groups.size(); ++g) reader_.book(part_of(groups[g].name), attributes.bits[g]);
+  const auto read = [&](const AttributeRun &run, int32_t *symbols) {
+    reader_.begin(part_of(groups[run.number].name));
+    reader_.zero_centred(run.tables, run.count(), symbols);
+  };
+  code_attributes(read, of, seeds, how_.threads, model.decoded.data());
 }
 
 TileModel read_tile(const Header &header, Bytes payload, const TileReading &how) {
