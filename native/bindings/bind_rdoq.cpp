@@ -51,14 +51,14 @@ auto search_seeds(const nb::bytes &header, Array<const int32_t, 2> corner, Array
   require_tables(support, start, bits);
   require(support.shape(0) == size_t(sgi::kTables), "there must be a table for every scale and family");
   const sgi::SymbolBits tables{support.data(), start.data(), bits.data(), coding.model.first_table};
-  const sgi::CodingModel model(coding.model, tables);
+  const sgi::CodingModel model{coding.model, tables};
   const sgi::Residual left = residual_of(residual, weights, channels);
   std::vector<int64_t> decoded(n * d);
   std::vector<double> change(n);
   {
     const nb::gil_scoped_release release;
-    sgi::search_seeds(coding.model, coding.seeds, model, {lmbda, cutoff, deep}, left, values.data(),
-                      {decoded.data(), change.data()}, threads);
+    sgi::search_seeds(coding.seeds, model, {lmbda, cutoff, deep}, left, values.data(), {decoded.data(), change.data()},
+                      threads);
   }
   return std::tuple(sgi::as_array<int64_t>(std::move(decoded), std::array{n, d}),
                     sgi::as_array<double>(std::move(change), std::array{n}));

@@ -151,8 +151,8 @@ class AttributeWalk {
       const AttributeGroup &group = step.groups[g];
       const Coded &coded = coded_[s][g];
       const size_t at = begin * size_t(group.size());
-      dequantise(coded.symbols.data() + at, coded.mean.data() + at, coded.step.data() + at, members.data() + begin,
-                 int64_t(count), group.size(), group.first, decoded_, model_.attributes);
+      dequantise(group, coded.symbols.data() + at, coded.mean.data() + at, coded.step.data() + at,
+                 members.data() + begin, int64_t(count), decoded_, model_.attributes);
     }
     if (model_.ranks || model_.steps.size() > 1)
       summarise(values_, members.data() + begin, int64_t(count), own_summary_.data() + begin * kSummary,
@@ -174,15 +174,10 @@ class AttributeWalk {
     for (size_t g = 0; g < step.groups.size(); ++g) {
       const AttributeGroup &group = step.groups[g];
       Coded &coded = coded_[s][g];
-      const bool follows = group.follows_amplitude && s > 0;
-      const GroupPlan plan{group.base.data(), group.columns.data(), follows ? amplitude_.data() + begin : nullptr,
-                           group.gamma, group.size()};
-      const PredictionView view{predicted + group.prediction, predicted + step.predicted + group.prediction,
-                                predicted + 2 * step.predicted + group.refinement, outputs};
       const size_t at = begin * size_t(group.size());
       int16_t *tables = coded.tables.data() + at;
-      quantisers(plan, view, log_size_.data() + begin, int64_t(count), coded.mean.data() + at, coded.step.data() + at,
-                 tables);
+      quantisers(step, group, predicted, amplitude_.data() + begin, log_size_.data() + begin, int64_t(count),
+                 coded.mean.data() + at, coded.step.data() + at, tables);
       for (size_t i = 0; i < count * size_t(group.size()); ++i) tables[i] = int16_t(tables[i] + model_.first_table);
     }
   }

@@ -3,33 +3,12 @@
 #include <array>
 #include <cstdint>
 #include <functional>
-#include <memory>
 #include <vector>
 
 #include "model/context.hpp"
 #include "model/hash_grid.hpp"
-#include "model/network.hpp"
 
 namespace sgi {
-
-// A group of attributes: how MLP_p's outputs predict it and where it goes.
-struct AttributeGroup {
-  std::vector<int64_t> base;     // [size, kLevels] base step index of each attribute
-  std::vector<int64_t> columns;  // [size] which of the group's predictions belongs to each
-  int64_t gamma;
-  bool follows_amplitude;
-  int64_t prediction, refinement;  // its first mean, and its refinement, among those of the step
-  int64_t first;                   // its first column
-
-  int size() const { return int(columns.size()); }
-};
-
-// A coding step: one network, and the groups that it predicts.
-struct AttributeStep {
-  std::unique_ptr<Network> network;
-  int inputs, predicted;
-  std::vector<AttributeGroup> groups;
-};
 
 struct AttributeModel {
   std::vector<AttributeStep> steps;

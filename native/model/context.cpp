@@ -76,27 +76,30 @@ void own_inputs(const int16_t *summary, int64_t n, int step, int64_t first, int1
   for (int64_t i = 0; i < n; ++i) own_inputs_of(summary + i * kSummary, step, out + i * stride + first);
 }
 
-void quantisers(const GroupPlan &plan, const PredictionView &prediction, const int8_t *log_size, int64_t n,
-                int64_t *mean, int64_t *step, int16_t *scale) {
-  for (int64_t i = 0; i < n; ++i) {
+void quantisers(const AttributeStep &of, const AttributeGroup &group, const int64_t *outputs, const int32_t *amplitude,
+                const int8_t *log_size, int64_t n, int64_t *mean, int64_t *step, int16_t *scale) {
+  const int size = group.size();
+  for (int64_t i = 0; i < n; ++i, outputs += of.network->outputs()) {
     const int level = level_of(log_size[i]);
-    const int64_t refine = prediction.refine[i * prediction.stride];
-    const int64_t fall = plan.amplitude ? fall_with(plan.gamma, int64_t(plan.amplitude[i]) - kAmplitudeZero) : 0;
-    for (int j = 0; j < plan.size; ++j) {
-      const int64_t at = i * plan.size + j, from = i * prediction.stride + plan.columns[j];
-      const int64_t base = plan.base[int64_t(j) * kLevels + level];
+    const int64_t *means = outputs + group.prediction, *scales = means + of.predicted;
+    const int64_t refine = outputs[2 * of.predicted + group.refinement];
+    const int64_t fall = group.follows_amplitude ? fall_with(group.gamma, int64_t(amplitude[i]) - kAmplitudeZero) : 0;
+    for (int j = 0; j < size; ++j) {
+      const int64_t at = i * size + j, from = group.columns[size_t(j)];
+      const int64_t base = group.base[size_t(j * kLevels + level)];
       const int64_t index = std::clamp<int64_t>(refined_step(base, fall, refine), 0, kStepCount - 1);
-      mean[at] = (std::clamp(prediction.mean[from], -kMeanLimit, kMeanLimit) * step_of(base)) >> kMeanBits;
+      mean[at] = (std::clamp(means[from], -kMeanLimit, kMeanLimit) * step_of(base)) >> kMeanBits;
       step[at] = step_of(index);
-      scale[at] = int16_t(std::clamp<int64_t>(kScaleZero + prediction.scale[from] + base - index, 0, kScaleCount - 1));
+      scale[at] = int16_t(std::clamp<int64_t>(kScaleZero + scales[from] + base - index, 0, kScaleCount - 1));
     }
   }
 }
 
-void dequantise(const int32_t *symbols, const int64_t *mean, const int64_t *step, const int64_t *members, int64_t n,
-                int64_t size, int64_t first, int64_t *decoded, int64_t width) {
+void dequantise(const AttributeGroup &group, const int32_t *symbols, const int64_t *mean, const int64_t *step,
+                const int64_t *members, int64_t n, int64_t *decoded, int64_t width) {
+  const int size = group.size();
   for (int64_t i = 0; i < n; ++i) {
-    int64_t *to = decoded + members[i] * width + first;
+    int64_t *to = decoded + members[i] * width + group.first;
     for (int64_t at = i * size; at < (i + 1) * size; ++at) *to++ = mean[at] + step[at] * symbols[at];
   }
 }

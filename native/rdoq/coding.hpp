@@ -24,17 +24,13 @@ struct SymbolBits {
 };
 
 struct CodingModel {
-  // coding: of plain seeds.
-  CodingModel(const AttributeModel &coding, const SymbolBits &tables);
+  const AttributeModel &coding;  // of plain seeds: each group has a step of its own
+  const SymbolBits tables;
 
-  int channels;
-  const Network *networks[kGroups];
-  GroupPlan plans[kGroups];  // without amplitudes
-  int inputs[kGroups];       // that each network sees
-  SymbolBits tables;
-
-  int attributes() const { return channels + kPlaceAttributes; }
-  int first_column(Group group) const { return group == kColour ? 0 : group == kShape ? channels : channels + 3; }
+  int channels() const { return coding.channels; }
+  int attributes() const { return int(coding.attributes); }
+  const AttributeStep &step(Group group) const { return coding.steps[group]; }
+  const AttributeGroup &group(Group group) const { return step(group).groups[0]; }
 };
 
 // The values that a group's attributes may have: mean + step * symbol in units of 2^-24, coded with tables of these

@@ -46,7 +46,7 @@ struct Pass {
 void search_pass(const CodingModel &model, const SearchSettings &settings, const Residual &residual, Pass &pass,
                  int threads, const WindowKernel &kernel) {
   const auto count = int64_t(pass.cell.size());
-  const int d = model.attributes(), stride = model.inputs[kColour];
+  const int d = model.attributes(), stride = model.step(kColour).inputs;
   const auto seed = [&](int64_t i) {
     return Seed{&pass.inputs[i * stride], &pass.values[i * d], &pass.centre[2 * i], pass.cell[i], pass.log_size[i]};
   };
@@ -67,11 +67,11 @@ void search_pass(const CodingModel &model, const SearchSettings &settings, const
 
 }  // namespace
 
-void search_seeds(const AttributeModel &coding, const TileSeeds &seeds, const CodingModel &model,
-                  const SearchSettings &settings, const Residual &residual, const double *values, const FoundSeeds &out,
-                  int threads) {
+void search_seeds(const TileSeeds &seeds, const CodingModel &model, const SearchSettings &settings,
+                  const Residual &residual, const double *values, const FoundSeeds &out, int threads) {
+  const AttributeModel &coding = model.coding;
   const WindowKernel &kernel = kernel_for<WindowKernel>(coding.isa);
-  const int64_t d = model.attributes(), stride = model.inputs[kColour];
+  const int64_t d = model.attributes(), stride = model.step(kColour).inputs;
   const std::vector<std::vector<int32_t>> neighbours = neighbours_by_pass(seeds, coding.ranks, coding.isa);
   std::vector<int16_t> summary(size_t(seeds.count) * kSummary), own;  // of seeds of earlier passes, zeros for others
   std::vector<int32_t> amplitude;
@@ -96,7 +96,7 @@ void search_seeds(const AttributeModel &coding, const TileSeeds &seeds, const Co
       out.change[members[i]] = pass.change[i];
     }
     own.resize(n * kSummary), amplitude.resize(n);
-    summarise({out.decoded, d, model.channels, coding.colour, coding.shape}, members.data(), int64_t(n), own.data(),
+    summarise({out.decoded, d, model.channels(), coding.colour, coding.shape}, members.data(), int64_t(n), own.data(),
               amplitude.data());
     for (size_t i = 0; i < n; ++i)
       std::copy_n(own.data() + i * kSummary, kSummary, summary.data() + size_t(members[i]) * kSummary);

@@ -14,9 +14,8 @@ struct FoundSeeds {
 };
 
 // Searches all seeds pass by pass, each with the others as they are by then; within a pass in an order of its own. No
-// result depends on the threads. coding: that of plain seeds, which `model` prices; values [N, d]: as rendered now.
-void search_seeds(const AttributeModel &coding, const TileSeeds &seeds, const CodingModel &model,
-                  const SearchSettings &settings, const Residual &residual, const double *values, const FoundSeeds &out,
-                  int threads);
+// result depends on the threads. values [N, d]: as rendered now.
+void search_seeds(const TileSeeds &seeds, const CodingModel &model, const SearchSettings &settings,
+                  const Residual &residual, const double *values, const FoundSeeds &out, int threads);
 
 }  // namespace sgi

@@ -14,7 +14,7 @@ constexpr double kMaxGrowth = 0.7, kMaxShift = 2.0;  // of a window: a logarithm
 
 void nearest(const CodingModel &model, Group group, const ReconstructionGrid &grid, const double *values,
              int64_t *symbols) {
-  for (int j = 0; j < model.plans[group].size; ++j) symbols[j] = grid.nearest(j, values[j]);
+  for (int j = 0; j < model.group(group).size(); ++j) symbols[j] = grid.nearest(j, values[j]);
 }
 
 }  // namespace
@@ -34,8 +34,8 @@ struct SeedSearch::Place {
 };
 
 SeedSearch::SeedSearch(const CodingModel &model, const SearchSettings &settings, const WindowKernel &kernel)
-    : model_(model), settings_(settings), kernel_(kernel), context_(model, 1 + 2 * model.channels) {
-  const size_t candidates = 1 + 2 * size_t(model.channels);
+    : model_(model), settings_(settings), kernel_(kernel), context_(model, 1 + 2 * model.channels()) {
+  const size_t candidates = 1 + 2 * size_t(model.channels());
   candidates_.resize(candidates);
   shapes_.resize(candidates);
   offsets_.resize(candidates);
@@ -53,13 +53,13 @@ bool SeedSearch::splat_of(const double *values, Splat &splat) const {
 }
 
 void SeedSearch::colours_of(const double *values, float *colours) const {
-  for (int c = 0; c < model_.channels; ++c) colours[c] = float(values[c]);
+  for (int c = 0; c < model_.channels(); ++c) colours[c] = float(values[c]);
 }
 
 Window SeedSearch::reserve(const Seed &seed, const Residual &residual) {
   seed_ = &seed;
   Splat splat;
-  if (!splat_of(seed.values + model_.channels, splat)) return {};
+  if (!splat_of(seed.values + model_.channels(), splat)) return {};
   context_.start(seed.inputs, seed.log_size);
   Coded &coded = candidates_[0];
   for (int j = 0; j < model_.attributes(); ++j) coded.decoded[j] = std::llrint(seed.values[j] / kUnit);
@@ -74,7 +74,7 @@ Window SeedSearch::reserve(const Seed &seed, const Residual &residual) {
 
 // Candidate 0 keeps the colours as near as it can, the others move one of them by one step.
 void SeedSearch::try_colours(const Place &place) {
-  const int channels = model_.channels, count = 1 + 2 * channels;
+  const int channels = model_.channels(), count = 1 + 2 * channels;
   const double *old = seed_->values;
   ReconstructionGrid grid;
   context_.predict(kColour, 1, &grid);
@@ -101,7 +101,7 @@ void SeedSearch::try_colours(const Place &place) {
     context_.predict(group, count, grids.data());
     for (int k = 0; k < count; ++k) {
       int64_t symbols[3];
-      nearest(model_, group, grids[k], old + model_.first_column(group), symbols);
+      nearest(model_, group, grids[k], old + model_.group(group).first, symbols);
       guess_[k] += settings_.lmbda * bits_of(model_, group, grids[k], symbols);
       commit(model_, group, grids[k], symbols, candidates_[k]);
       if (group == kShape) context_.update(kShape, candidates_[k], k);
@@ -113,11 +113,11 @@ void SeedSearch::try_colours(const Place &place) {
 float SeedSearch::mix(const Place &place, const Coded &coded) const {
   double values[kMaxColours];
   float colours[kMaxColours];
-  for (int j = 0; j < model_.channels; ++j) values[j] = double(coded.decoded[j]) * kUnit;
+  for (int j = 0; j < model_.channels(); ++j) values[j] = double(coded.decoded[j]) * kUnit;
   colours_of(values, colours);
   float power = 0, overlap = 0;
   std::fill_n(place.mixed, place.window.size(), 0.0f);
-  for (int c = 0; c < model_.channels; ++c) {
+  for (int c = 0; c < model_.channels(); ++c) {
     kernel_.add_scaled(place.residual.plane(c, place.window), place.window, colours[c], place.mixed);
     power += colours[c] * colours[c];
     overlap += colours[c] * (colours[c] - place.colours[c]);
@@ -143,8 +143,8 @@ void SeedSearch::changes(const Place &place, const Splat *two, float power, floa
 // squared error plus price falls. Writes the group's part of `values` and `coded`; returns what place and bits cost.
 double SeedSearch::descend(Group group, const ReconstructionGrid &grid, const Place &place, float power, double *values,
                            Coded &coded) {
-  const int size = model_.plans[group].size;
-  double *own = values + model_.first_column(group) - model_.channels;
+  const int size = model_.group(group).size();
+  double *own = values + model_.group(group).first - model_.channels();
   int64_t symbols[3];
   nearest(model_, group, grid, own, symbols);
   for (int j = 0; j < size; ++j) own[j] = grid.value(j, symbols[j]);
@@ -184,7 +184,7 @@ double SeedSearch::descend(Group group, const ReconstructionGrid &grid, const Pl
 
 // Chooses shape and offset for the colours of the `chosen` candidates and completes their costs.
 void SeedSearch::follow(const Place &place, const std::vector<int> &chosen) {
-  const double *old = seed_->values + model_.channels;
+  const double *old = seed_->values + model_.channels();
   for (const int k : chosen) {
     Coded &coded = candidates_[k];
     double values[kPlaceAttributes];
@@ -192,7 +192,7 @@ void SeedSearch::follow(const Place &place, const std::vector<int> &chosen) {
     const float power = mix(place, coded);
     descend(kShape, shapes_[k], place, power, values, coded);
     int64_t symbols[3];
-    std::copy_n(coded.symbols + model_.first_column(kShape), 3, symbols);
+    std::copy_n(coded.symbols + model_.group(kShape).first, 3, symbols);
     cost_[k] += settings_.lmbda * bits_of(model_, kShape, shapes_[k], symbols);
     context_.update(kShape, coded, 0);
     context_.predict(kOffset, 1, offsets_.data());
@@ -206,8 +206,8 @@ void SeedSearch::replace(const Place &place, const Coded &coded) const {
   for (int j = 0; j < model_.attributes(); ++j) values[j] = double(coded.decoded[j]) * kUnit;
   colours_of(values, colours);
   Splat splat;
-  if (splat_of(values + model_.channels, splat)) kernel_.draw(splat, place.window, place.fresh);
-  for (int c = 0; c < model_.channels; ++c) {
+  if (splat_of(values + model_.channels(), splat)) kernel_.draw(splat, place.window, place.fresh);
+  for (int c = 0; c < model_.channels(); ++c) {
     const Plane plane = place.residual.plane(c, place.window);
     kernel_.subtract(plane, place.window, -place.colours[c], place.g);
     kernel_.subtract(plane, place.window, colours[c], place.fresh);
@@ -223,7 +223,7 @@ double SeedSearch::search(const Seed &seed, const Window &window, const Residual
   Place place{residual,      window,           {}, {}, planes, residual.weights ? planes + 3 * size : planes,
               planes + size, planes + 2 * size};
   Splat splat;
-  if (splat_of(seed.values + model_.channels, splat)) {
+  if (splat_of(seed.values + model_.channels(), splat)) {
     kernel_.draw(splat, window, place.g);
     place.drawn = window_around(splat, 1, 0, residual);
   }
