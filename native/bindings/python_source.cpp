@@ -45,7 +45,8 @@ class FileSource : public ByteSource {
     while (found < count) {  // a pipe gives what it has
       const nb::object read = (*file_).attr("read")(count - found);
       if (!nb::isinstance<nb::bytes>(read))
-        throw Error(Fault::usage, std::string("reading it gave ") + Py_TYPE(read.ptr())->tp_name + "; give a binary file");
+        throw Error(Fault::usage,
+                    std::string("reading it gave ") + Py_TYPE(read.ptr())->tp_name + "; give a binary file");
       const auto more = nb::borrow<nb::bytes>(read);
       if (!more.size()) break;
       const size_t taken = std::min(more.size(), count - found);

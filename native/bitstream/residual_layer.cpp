@@ -188,8 +188,7 @@ ResidualForm read_residual_form(const Header &header, Bytes start, size_t &at) {
   const bool has_all = header.masked != Masked::nodata && !header.has_exact;
   if (((flags & ~(kHasBits | others)) && !form.is_alpha) ||
       (form.is_alpha && (!has_all || header.alpha() < 0 || header.sample_type == SampleType::f32)) ||
-      ((flags & kHasBands) && header.alpha() >= 0) ||
-      (form.has_bits && header.sample_type != SampleType::f32) ||
+      ((flags & kHasBands) && header.alpha() >= 0) || (form.has_bits && header.sample_type != SampleType::f32) ||
       ((flags & (kHasPalette | kHasCells)) && !form.has_views) || (form.has_views && !has_all))
     corrupt("it has flags that do not go with the picture");
   if (flags & kHasBands) {

@@ -31,8 +31,8 @@ _LOOK_ROWS = 8
 
 def bands_of_classes(windows: Windows, plan: Plan) -> tuple[int, ...]:
     """Which channels hold classes, from 0 on: all where they have few values together, and a layer can keep them; else
-    bands without a meaning that have few by themselves, and may change; of a map, colours too: GDAL calls three bands of
-    8 bits red, green and blue.
+    bands without a meaning that have few by themselves, and may change. On a map these may be colours: GDAL calls three
+    bands of 8 bits red, green and blue.
     """
     if math.isinf(windows.shape.rounding):
         return ()

@@ -138,7 +138,8 @@ def _way_to_divide(windows: Windows, plan: Plan, listener: NullListener) -> Call
             f"few values, as of classes and masks, change in {_named(bands)}: encode them apart, or use --lossless"
         )
     elif off is not None and (lost := lost_bands(plan, off)):
-        listener.note(f"an error of {off:g} either way spans all samples of {_named(lost)}: nothing of them need remain")
+        what = f"an error of {off:g} either way spans all samples of {_named(lost)}"
+        listener.note(f"{what}: nothing of them need remain")
     return _divided if off is None else with_layer
 
 
