@@ -93,7 +93,8 @@ def _jpeg2000(data: Bytes) -> Channels:
     is_cmyk = space == _CMYK
     if found is None:
         return Channels(second=is_cmyk)
-    return Channels(second=is_cmyk, deep=found.is_deep, associated=found.is_associated)
+    last: Last = "alpha" if found.has_opacity or len(found.depths) != 4 else "band"
+    return Channels(last, second=is_cmyk, deep=found.is_deep, associated=found.is_associated)
 
 
 def _jpegxl(data: Bytes) -> Channels:

@@ -7,13 +7,25 @@ The place is GeoJP2's, a TIFF without pixels. GML, which may state it too, is le
 from __future__ import annotations
 
 import struct
+from collections.abc import Iterator
 from typing import NamedTuple
 
 from sgicodec.metadata import tiff
+from sgicodec.metadata.blobs import Metadata
 from sgicodec.metadata.boxes import boxes
 from sgicodec.metadata.filebytes import Bytes
 
-__all__ = ["Components", "colour_space", "components", "find", "is_boxed", "is_jpeg2000", "left_behind", "states_place"]
+__all__ = [
+    "Components",
+    "colour_space",
+    "components",
+    "find",
+    "insert",
+    "is_boxed",
+    "is_jpeg2000",
+    "left_behind",
+    "states_place",
+]
 
 _SIGNATURE = b"\0\0\0\x0cjP  \r\n\x87\n"
 _GEO = bytes.fromhex("b14bf8bd083d4b43a5ae8cd7d5a6ce03")
@@ -32,14 +44,15 @@ _OPACITY, _PREMULTIPLIED = 1, 2
 
 class Components(NamedTuple):
     """width, height: of the picture. depths: a byte for each component, 128 if it is signed, and its number of bits
-    less 1. has_alpha: whether the last one is declared as opacity; is_associated: whether one is by which colours are
-    multiplied.
+    less 1. has_alpha: whether the last one is declared as opacity; has_opacity: whether one is; is_associated: whether
+    colours are multiplied by it.
     """
 
     width: int
     height: int
     depths: bytes
     has_alpha: bool
+    has_opacity: bool = False
     is_associated: bool = False
 
     @property
@@ -99,8 +112,9 @@ def components(data: Bytes) -> Components | None:
     depths = bytes(data[start + 42 : start + 42 + 3 * count][::3])
     channels = _channels(data)
     has_alpha = bool({(count - 1, _OPACITY), (count - 1, _PREMULTIPLIED)} & channels)
-    is_associated = any(kind == _PREMULTIPLIED for _, kind in channels)
-    found = Components(right - left, bottom - top, depths, has_alpha, is_associated)
+    kinds = {kind for _, kind in channels}
+    has_opacity, is_associated = bool(kinds & {_OPACITY, _PREMULTIPLIED}), _PREMULTIPLIED in kinds
+    found = Components(right - left, bottom - top, depths, has_alpha, has_opacity, is_associated)
     is_picture = len(depths) == count > 0 and 0 < found.width <= _MAX_SIDE and 0 < found.height <= _MAX_SIDE
     return found if is_picture else None
 
@@ -111,6 +125,20 @@ def _channels(data: Bytes) -> set[tuple[int, int]]:
     (stated,) = struct.unpack(">H", data[at : at + 2]) if at is not None else (0,)
     places = range((at or 0) + 2, (at or 0) + 2 + 6 * stated, 6)
     return {struct.unpack(">HH", data[place : place + 4]) for place in places}
+
+
+def insert(data: Bytes, _: Metadata) -> Iterator[bytes]:
+    """The file in pieces. Of four components, its header declares the last one as opacity, as OpenImageIO does not."""
+    found = components(data)
+    headers = [span for kind, span in boxes(data, slice(0, len(data))) if kind == b"jp2h"]
+    if found is None or len(found.depths) != 4 or found.has_opacity or not headers:
+        yield bytes(data[0 : len(data)])
+        return
+    rows = b"".join(struct.pack(">HHH", number, 0, number + 1) for number in range(3)) + struct.pack(">HHH", 3, 1, 0)
+    box = struct.pack(">I4sH", 10 + len(rows), b"cdef", 4) + rows
+    start, stop = headers[0].start - 8, headers[0].stop
+    yield bytes(data[0:start]) + struct.pack(">I", stop - start + len(box)) + bytes(data[start + 4 : stop]) + box
+    yield bytes(data[stop : len(data)])
 
 
 def left_behind(data: Bytes) -> list[str]:

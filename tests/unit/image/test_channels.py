@@ -6,12 +6,14 @@ import struct
 from pathlib import Path
 from typing import Any
 
+import imagecodecs
 import numpy as np
 import pytest
+import rasterio
 import tifffile
 from PIL import Image
 
-from sgicodec import open_source, read
+from sgicodec import Picture, open_source, read, write
 from sgicodec.errors import PictureError
 from sgicodec.image.source import ALPHA_IS_BAND
 from sgicodec.metadata import geo, ifd
@@ -93,6 +95,19 @@ def test_colours_of_a_jpeg_2000_may_be_multiplied_by_alpha(tmp_path: Path) -> No
     assert plain != multiplied
     np.testing.assert_array_equal(read(plain).pixels, pixels)
     np.testing.assert_array_equal(read(multiplied).pixels, np.tile(UNASSOCIATED, (16, 8, 1)))
+
+
+def test_only_declared_alpha_of_a_jpeg_2000_is_alpha(tmp_path: Path) -> None:
+    """Four bands of a satellite declare none; what is written does, to others too."""
+    pixels = np.tile(BOTH, (16, 8, 1))
+    plain = imagecodecs.jpeg2k_encode(pixels, reversible=True, codecformat="jp2")
+    assert read(plain).channels == "multi"
+    np.testing.assert_array_equal(read(plain).pixels, pixels)
+    write(Picture(pixels, "rgba", (0, 255)), tmp_path / "a.jp2")
+    assert read(tmp_path / "a.jp2").channels == "rgba"
+    with rasterio.open(tmp_path / "a.jp2") as file:
+        assert [colour.name for colour in file.colorinterp] == ["red", "green", "blue", "alpha"]
+        np.testing.assert_array_equal(np.moveaxis(file.read(), 0, -1), pixels)
 
 
 @pytest.mark.parametrize(
