@@ -71,6 +71,8 @@ def declared_channels(data: Bytes, kind: str) -> Channels:
             return _jpeg2000(data)
         if kind == "jpegxl":
             return _jpegxl(data)
+        if kind == "fits":
+            return Channels("band")  # of four planes the last is no alpha, which FITS has not
         if kind == "psd" and photoshop.is_multichannel(data):
             raise PictureError(
                 "its channels are inks without a colour space (Multichannel), which are not read; save as RGB"

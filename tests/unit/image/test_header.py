@@ -69,6 +69,14 @@ def test_unsigned_integers_of_fits(zero: object) -> None:
         assert (source.dtype, source.notes) == (np.uint16, ())
 
 
+def test_four_planes_of_fits_are_bands() -> None:
+    """OpenImageIO takes the last for alpha."""
+    planes = np.arange(4 * 5 * 6, dtype=np.uint8).reshape(4, 5, 6)
+    picture = read(fits(planes.reshape(20, 6), NAXIS=3, NAXIS2=5, NAXIS3=4))
+    assert picture.channels == "multi"
+    np.testing.assert_array_equal(picture.pixels[::-1], np.moveaxis(planes, 0, -1))
+
+
 @pytest.mark.parametrize(
     ("dtype", "zero", "scale"), [("i2", 273.15, 0.01), ("i2", 0, 2), ("i4", 1 << 31, 1), ("u1", -128, 1)]
 )
