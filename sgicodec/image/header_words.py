@@ -51,7 +51,7 @@ def not_kept(spec: ImageSpec, kind: str) -> list[str]:
     if (transfer := spec.get("dpx:Transfer", "Undefined")) not in _NO_TRANSFER:
         found.append(f"colour space ({transfer})")
     space = spec.get("oiio:ColorSpace", _USUAL_GAMMA)
-    if kind == "targa" and space != _USUAL_GAMMA:
+    if kind in ("targa", "cineon") and space != _USUAL_GAMMA:
         found.append(f"colour space ({space.partition('_')[0]})")
     whole = (spec.full_x, spec.full_y, spec.full_width, spec.full_height)
     if (spec.x, spec.y, spec.width, spec.height) != whole:

@@ -118,6 +118,16 @@ def test_that_white_is_turned_over_is_said(dtype: str, said: str) -> None:
     assert notes_of(data) == (f"samples v {said}",)
 
 
+def test_that_cineon_is_logarithmic_is_said() -> None:
+    """Of 4×2 pixels of 10 bits, three to a word."""
+    channels = b"".join(struct.pack(">BBBxII4f", 0, band, 10, 4, 2, 0, 0, 1023, 2) for band in (1, 2, 3))
+    general = struct.pack(">6I8s", 0x802A5FD7, 2048, 1024, 1024, 0, 2080, b"V4.5").ljust(192, b"\0")
+    image = struct.pack(">BBxx", 0, 3) + channels.ljust(224, b"\0") + struct.pack(">8f", *[np.inf] * 8) + bytes(228)
+    file = (general + image + struct.pack(">BB30x", 0, 5)).ljust(2048, b"\xff")
+    notes = notes_of(file + struct.pack(">8I", *[500 << 22 | 400 << 12 | 300 << 2] * 8))
+    assert notes[1:] == ("not kept: colour space (KodakLog)",)
+
+
 def test_luminance_and_differences_are_refused(tmp_path: Path) -> None:
     path = save(tmp_path / "x.exr", np.zeros((4, 8, 3), np.float32), channels=("Y", "RY", "BY"))
     with pytest.raises(PictureError, match="save it as RGB"):
