@@ -29,8 +29,8 @@ _SIZE_UNIT = re.compile(r'\bPhysicalSize[XY]Unit="([^"]*)"')
 _POWER = re.compile(r'\bNominalMagnification="([0-9]{1,4}(?:\.[0-9]{1,4})?)"')
 _OME_SAYS = re.compile(
     rb"""\b(Color|AcquisitionMode|EmissionWavelength|ExcitationWavelength|Fluor|SignificantBits|PhysicalSizeZ|TimeIncrement
-    |DeltaT|ExposureTime|Position[XYZ])=" | <(?:\w+:)?(AcquisitionDate|Description|Experimenter|Instrument|ROI
-    |StructuredAnnotations)[\s>]""",
+    |DeltaT|ExposureTime|Position[XYZ])=" | <(?:\w+:)?(AcquisitionDate|Description|Detector|Experimenter|Laser
+    |Microscope|ROI|StructuredAnnotations)[\s>]""",
     re.VERBOSE,
 )
 _OME_NAME = re.compile(rb"""SizeC="1".*<(?:\w+:)?Channel\s[^>]*\bName="[^"]""", re.DOTALL)
