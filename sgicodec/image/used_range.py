@@ -40,8 +40,8 @@ _FARTHEST = 1e30
 """Samples beyond it are blanks or outliers, whatever the others are."""
 _MAX_EXACT = 50
 """One sample in so many may be kept exactly."""
-_CROWD = 100
-"""How many times as wide as where 3 of 4 samples lie a range is of which somebody should know."""
+_CROWDS = ((4, 3, 100, "3 of 4 samples lie"), (2, 1, 1000, "half of the samples lie"))
+"""Of so many samples how many lie in an interval, and how many times as wide as that a range is that is told."""
 _LEVELS, _FIRST, _ROUNDING = 256, 2048, 2.0**-22
 """Values of eight bits; samples that are looked at first for more; what floats are rounded by, in parts of a sample."""
 _NEARLY = 0.1
@@ -219,22 +219,26 @@ _TOO_FAR = (
 
 
 _CROWDED = (
-    "3 of 4 samples lie between {inner_low:g} and {inner_high:g}, in a {part:,.0f}th of {low:g} to {high:g}, "
+    "{share} between {inner_low:g} and {inner_high:g}, in a {part:,.0f}th of {low:g} to {high:g}, "
     "which errors are parts of; --range LOW,HIGH makes them finer, and clips what lies outside"
 )
 
 
 def _crowded(bins: _Bins, sample_range: tuple[float, float]) -> str | None:
-    """What to say where most samples lie in a hundredth of the range that quality spans, or in less."""
-    behind = np.cumsum(bins.times)
-    if not len(behind):
-        return None
-    inner_low = float(bins.low[np.searchsorted(behind, behind[-1] // 8, side="right")])
-    inner_high = float(bins.high[np.searchsorted(behind, behind[-1] - behind[-1] // 8)])
-    (low, high), width = sample_range, inner_high - inner_low
-    if not 0 < width * _CROWD < high - low:
-        return None
-    return _CROWDED.format(inner_low=inner_low, inner_high=inner_high, part=(high - low) / width, low=low, high=high)
+    """What to say where most samples lie in a hundredth of the range that quality spans, or in less: the shortest
+    interval counts, as values that stand for nothing may lie at both ends.
+    """
+    behind, (low, high) = np.cumsum(bins.times), sample_range
+    for whole, part, wide, share in _CROWDS if len(behind) else ():
+        needed = behind - bins.times + -(-part * int(behind[-1]) // whole)  # by the last bin of the interval from each
+        starts = int(np.searchsorted(needed, behind[-1], side="right"))
+        ends = np.searchsorted(behind, needed[:starts])
+        widths = bins.high[ends] - bins.low[:starts]
+        at = int(np.argmin(widths))
+        if 0 < widths[at] * wide < high - low:
+            inner = {"inner_low": bins.low[at], "inner_high": bins.high[ends[at]]}
+            return _CROWDED.format(share=share, part=(high - low) / widths[at], low=low, high=high, **inner)
+    return None
 
 
 def _few(bins: _Bins) -> int:

@@ -95,6 +95,18 @@ def test_a_range_that_few_samples_stretch_is_told() -> None:
     assert use((RAMP * 1e6).astype(np.float32)).remark is None
 
 
+@pytest.mark.parametrize(
+    ("blanks", "share"),
+    [((-9999.0, -8888.0), "3 of 4"), ((-1e6, 1e6), "3 of 4"), ((-1e6,) * 2 + (1e6, 2e6), "half of the")],
+)
+def test_that_several_values_for_nothing_stretch_a_range_is_told(blanks: tuple[float, ...], share: str) -> None:
+    """Two are no nodata value; each stands in a tenth."""
+    pixels = RAMP.astype(np.float32)
+    for number, value in enumerate(blanks):
+        pixels[number::10] = value
+    assert use(pixels).remark.startswith(f"{share} samples lie between 0.")
+
+
 @pytest.mark.parametrize("value", [-9999.0, 1.70141e38, 3.4028235e38, -3.4028235e38, np.inf, 0.0])
 def test_a_value_far_from_all_others_is_nodata(value: float) -> None:
     pixels = (300 + RAMP * 44).astype(np.float32)
