@@ -151,7 +151,8 @@ class UsedRange:
                 raise PictureError(_TOO_FAR.format(low=bins.low[0], high=bins.high[-1]))
         if any(abs(level) > MAX_SAMPLE for found in ranges for level in found):
             raise PictureError(f"its samples are beyond {MAX_SAMPLE:g}; state a sample range to clip them to")
-        remark = remark or next(filter(None, map(_crowded, groups, ranges)), None)
+        crowded = next(filter(None, map(_crowded, groups, ranges)), None)
+        remark = "; ".join(filter(None, (remark, crowded))) or None
         exact = any(outside) or (self._nans > 0 and self._nodata is not None and not np.isnan(self._nodata))
         low, high = (tuple(levels) for levels in zip(*ranges, strict=True))
         sample_range = (low, high) if len(set(ranges)) > 1 else ranges[0]

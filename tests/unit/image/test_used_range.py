@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -105,6 +106,13 @@ def test_that_several_values_for_nothing_stretch_a_range_is_told(blanks: tuple[f
     for number, value in enumerate(blanks):
         pixels[number::10] = value
     assert use(pixels).remark.startswith(f"{share} samples lie between 0.")
+
+
+def test_a_blank_and_a_range_that_others_stretch_are_both_told() -> None:
+    pixels = RAMP.astype(np.float32)
+    pixels[::10] = np.linspace(2, 1e6, pixels[::10].size).reshape(-1, 100, 1)
+    pixels[5::10] = -1e9
+    assert re.search("taken for nodata and kept exactly; 3 of 4 samples lie", use(pixels).remark)
 
 
 @pytest.mark.parametrize("value", [-9999.0, 1.70141e38, 3.4028235e38, -3.4028235e38, np.inf, 0.0])
