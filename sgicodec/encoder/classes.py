@@ -15,6 +15,7 @@ from sgicodec.encoder.plan import Plan
 from sgicodec.encoder.residual_form import DistinctPixels, Repeats, block_rects
 from sgicodec.metadata import geo
 from sgicodec.metadata.layouts import alpha_index, band_ranges
+from sgicodec.picture import nodata_samples
 
 __all__ = ["bands_of_classes", "lost_bands"]
 
@@ -23,6 +24,8 @@ _MAX_VALUES, _MAX_SCATTERED = 64, 16
 _NEAR_LEVELS = 16
 """Within so many levels of 8 bits all values change at the usual quality. Scattered ones that lie farther apart may be
 the grays of a scan, but of a map."""
+_LEAST_RUN = 8
+"""Pixels. Samples that were enlarged have shorter ones."""
 _ONE_VALUE = 1e-6
 """Parts of a sample that the range of a single value spans at most."""
 _LOOK_ROWS = 8
@@ -31,8 +34,8 @@ _LOOK_ROWS = 8
 
 def bands_of_classes(windows: Windows, plan: Plan) -> tuple[int, ...]:
     """Which channels hold classes, from 0 on: all where they have few values together, and a layer can keep them; else
-    bands without a meaning that have few by themselves, and may change. On a map these may be colours: GDAL calls three
-    bands of 8 bits red, green and blue.
+    bands without a meaning that have few by themselves, and may change, or numbers of areas. On a map the former may be
+    colours: GDAL calls three bands of 8 bits red, green and blue.
     """
     if math.isinf(windows.shape.rounding):
         return ()
@@ -46,7 +49,8 @@ def bands_of_classes(windows: Windows, plan: Plan) -> tuple[int, ...]:
         left = {band: left[band] for band, seen in bands if _are_few(left[band][0], seen, left[band][1].see(seen))}
         if not left:
             break
-    return tuple(band for band, (values, repeats) in left.items() if _may_change(values.known, repeats, plan))
+    few = {band for band, (values, repeats) in left.items() if _may_change(values.known, repeats, plan)}
+    return tuple(sorted(few | _labelled_bands(windows, plan)))
 
 
 def _holds_classes(windows: Windows, plan: Plan) -> bool:
@@ -60,6 +64,24 @@ def _holds_classes(windows: Windows, plan: Plan) -> bool:
         return True
     is_near = values.known.dtype != np.uint8 or bool(np.ptp(values.known) < _NEAR_LEVELS) or _is_map(windows, plan)
     return len(values.known) <= _MAX_SCATTERED and is_near
+
+
+def _labelled_bands(windows: Windows, plan: Plan) -> set[int]:
+    """Which bands without a meaning have runs of equal values that are not 0, as numbers of areas have."""
+    if plan.header.channels != "multi":
+        return set()
+    runs = [(Repeats(), DistinctPixels(1)) for _ in range(windows.shape.bands)]
+    for rect in some_of(list(block_rects(plan.header))):
+        window = windows.read(*rect)
+        is_label = (window.pixels != 0) & ~nodata_samples(window)
+        for band, (repeats, values) in enumerate(runs):
+            repeats.see(window.pixels[..., band, None], is_label[..., band])
+            values.see(window.pixels[is_label[..., band], band, None])
+    return {
+        band
+        for band, (seen, values) in enumerate(runs)
+        if len(values.known) > 1 and _LEAST_RUN * seen.others < seen.pixels
+    }
 
 
 def lost_bands(plan: Plan, max_error: float) -> list[int]:

@@ -134,10 +134,9 @@ def _way_to_divide(windows: Windows, plan: Plan, listener: NullListener) -> Call
         how = "change" if off is None else f"may change by {off:g}"
         listener.note(f"its few values, as of classes, {how}: use --lossless")
     elif bands:
-        listener.note(
-            f"few values, as of classes and masks, change in {_named(bands)}: encode them apart, or use --lossless"
-        )
-    elif off is not None and (lost := lost_bands(plan, off)):
+        what = "few values or runs of equal ones, as of classes and numbered areas,"
+        listener.note(f"{what} change in {_named(bands)}: encode them apart, or use --lossless")
+    if off is not None and len(bands) < count and (lost := lost_bands(plan, off)):
         what = f"an error of {off:g} either way spans all samples of {_named(lost)}"
         listener.note(f"{what}: nothing of them need remain")
     return _divided if off is None else with_layer

@@ -97,7 +97,8 @@ def test_views_of_bands_are_means_of_their_samples() -> None:
 def test_what_changes_is_said() -> None:
     assert coded(AREAS, lmbda=0.01)[1] == ["its few values, as of classes, change: use --lossless"]
     assert coded(np.dstack([PHOTOGRAPH, AREAS]), channels="multi", lmbda=0.01)[1] == [
-        "few values, as of classes and masks, change in band 3: encode them apart, or use --lossless"
+        "few values or runs of equal ones, as of classes and numbered areas, change in band 3: "
+        "encode them apart, or use --lossless"
     ]
 
 
@@ -122,6 +123,16 @@ def test_classes_that_are_called_colours_come_back() -> None:
     assert (found[..., :2] != PHOTOGRAPH).any()
     assert said == []
     assert (coded(bands)[0] != bands).any(axis=(0, 1)).all()
+
+
+def test_numbers_of_areas_among_bands_come_back() -> None:
+    photograph = RANDOM.integers(0, 256, (70, 90)).astype(np.uint16)
+    areas = np.where(np.kron(RANDOM.integers(0, 2, (7, 9)), np.ones((10, 10), int)), NUMBERS + 1, 0).astype(np.uint16)
+    enlarged = np.kron(RANDOM.integers(0, 9000, (14, 18)), np.ones((5, 5), int)).astype(np.uint16)
+    pixels = np.dstack([photograph, areas, enlarged, np.full_like(photograph, 777)])
+    found, said = coded(pixels, channels="multi")
+    assert (found == pixels).all(axis=(0, 1)).tolist() == [False, True, False, True]
+    assert said == []
 
 
 def test_what_an_error_changes_is_said() -> None:
