@@ -104,13 +104,13 @@ def metadata_chunks(metadata: Metadata) -> bytes:
 
 
 def chunks(data: Bytes) -> Iterator[tuple[bytes, int, int]]:
-    """Kind, start and end of the contents of each whole chunk."""
-    at = len(SIGNATURE)
-    while at + 12 <= len(data):
-        end = at + 8 + int.from_bytes(data[at : at + 4], "big")
+    """Kind, start and end of the contents of each whole chunk, up to IEND: nothing behind it is of the picture."""
+    at, kind = len(SIGNATURE), b""
+    while at + 12 <= len(data) and kind != b"IEND":
+        kind, end = bytes(data[at + 4 : at + 8]), at + 8 + int.from_bytes(data[at : at + 4], "big")
         if end + 4 > len(data):
             return
-        yield bytes(data[at + 4 : at + 8]), at + 8, end
+        yield kind, at + 8, end
         at = end + 4
 
 

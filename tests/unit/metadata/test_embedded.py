@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from data_files import PICTURES
 from image_files import packed
+from PIL import Image
 from tags import exif_blob
 
 from sgicodec import read
@@ -106,6 +107,17 @@ def test_compressed_png_text_and_its_limits() -> None:
     assert png_file.find(plain[:33] + text + plain[33:]) == (None, XMP, None)
     broken = png_file.chunk(b"zTXt", b"Raw profile type exif\0\0garbage")
     assert png_file.find(plain[:33] + broken + plain[33:]) == (None, None, None)
+
+
+def test_what_lies_behind_a_png_is_no_part_of_it() -> None:
+    """Another picture with metadata of its own, or zeros, of which twelve look like an empty chunk."""
+    bare, other = io.BytesIO(), io.BytesIO()
+    Image.new("L", (4, 4)).save(bare, "png")
+    Image.new("L", (4, 4)).save(other, "png", exif=Image.Exif(), dpi=(300, 300))
+    for more in (other.getvalue()[8:], bytes(240)):
+        data = bare.getvalue() + more
+        assert [kind for kind, _, _ in png_file.chunks(data)] == [b"IHDR", b"IDAT", b"IEND"]
+        assert png_file.find(data) == png_file.find(bare.getvalue())
 
 
 def test_more_than_a_jpeg_segment_holds() -> None:
