@@ -75,7 +75,7 @@ class Sink:
             self._stack = stack.pop_all()
 
     def _check_folder(self, folder: Path, size: int) -> None:
-        if not is_utf8(folder):
+        if self._holder.name != "png" and not is_utf8(folder):
             raise PictureError("the name of its folder is not UTF-8, and OpenImageIO cannot open it")
         # Better not to begin what a full disk would end.
         needed = size * embedded.copies(self._holder.name) + _SPARE_BYTES

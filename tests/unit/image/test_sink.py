@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import io
 import shutil
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -129,6 +130,18 @@ def test_a_full_disk_is_noticed_before(tmp_path: Path, monkeypatch: pytest.Monke
     open_sink(tmp_path / "x.tif", 10_000, 1000, "rgb", "uint8").abort()
     with pytest.raises(PictureError, match="free disk space"):  # its file is rewritten, and stands there twice
         open_sink(tmp_path / "x.jpg", 10_000, 1000, "rgb", "uint8")
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="names of files are text here")
+def test_a_folder_whose_name_is_no_text(tmp_path: Path) -> None:
+    """PNG is written without OpenImageIO, which cannot open it."""
+    folder = tmp_path / "\udcff"
+    folder.mkdir()
+    picture = Picture(noise(5, 6, 3, "uint8"), "rgb", full_range("uint8"))
+    write(picture, folder / "a.png")
+    np.testing.assert_array_equal(read(folder / "a.png").pixels, picture.pixels)
+    with pytest.raises(PictureError, match="the name of its folder is not UTF-8"):
+        write(picture, folder / "a.tif")
 
 
 @pytest.mark.parametrize("count", [1, 2, 3, 4, 6])
