@@ -114,7 +114,11 @@ class TileFailedError(SgiError):
 
     def __init__(self, tile: int, reason: str) -> None:
         super().__init__(f"tile {tile}: {reason}")
-        self.tile = tile
+        self.tile, self._reason = tile, reason
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickled as it is made: programs have encodes in processes of their own."""
+        return type(self), (self.tile, self._reason)
 
 
 class BatchError(SgiError):

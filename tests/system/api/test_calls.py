@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import mmap
+import pickle
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -14,6 +15,7 @@ from data_files import DATA
 from PIL import Image
 
 import sgicodec
+from sgicodec import errors
 from sgicodec.decoder.view import MAX_OUTPUT_SAMPLES
 from sgicodec.errors import StreamError
 
@@ -118,3 +120,10 @@ def test_what_an_encode_notes_is_a_warning(pixels: np.ndarray) -> None:
         data = sgicodec.encode(hidden, steps=4)
     assert found[0].filename == __file__
     assert sgicodec.decode(data).shape[2] == 3
+
+
+@pytest.mark.parametrize("kind", [getattr(errors, name) for name in errors.__all__ if name.endswith("Error")])
+def test_errors_come_back_from_other_processes(kind: type[errors.SgiError]) -> None:
+    error = kind(3, "why") if kind is errors.TileFailedError else kind("why")
+    again = pickle.loads(pickle.dumps(error))
+    assert (type(again), str(again), vars(again)) == (kind, str(error), vars(error))
