@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import json
 import math
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,7 +15,15 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from sgicodec.bench.options import numbers, place, variant
-from sgicodec.errors import OutputExistsError, SgiError, StreamError, TargetMissedError, UsageError, require
+from sgicodec.errors import (
+    OutputExistsError,
+    PictureError,
+    SgiError,
+    StreamError,
+    TargetMissedError,
+    UsageError,
+    require,
+)
 from sgicodec.metadata.layouts import range_text
 from sgicodec.remote.url import is_url
 
@@ -46,6 +55,17 @@ _PERCEIVED = {
 """The fields of `Perceived`: title, and digits behind the point."""
 
 
+@contextlib.contextmanager
+def _writing() -> Iterator[None]:
+    """Turns errors of the system into PictureErrors: results that cannot be written are no defect of the program."""
+    try:
+        yield
+    except BrokenPipeError:
+        raise
+    except OSError as error:
+        raise PictureError(f"{error.filename or 'the results'}: {error.strerror or error}") from error
+
+
 @click.command()
 @click.argument("places", nargs=-1, required=True, metavar="DIR|FILES...")
 @click.option("--codecs", help=f"Some of {','.join(_CODECS)}.  [default: all that are installed]")
@@ -64,6 +84,7 @@ _PERCEIVED = {
 @click.option("--curves/--no-curves", default=True, show_default=True, help="Measure curves; without, only --sheets.")
 @click.option("--plots/--no-plots", default=True, show_default=True, help="Draw the curves as PNG files.")
 @click.option("--json", "as_json", is_flag=True, help="Print the summary as JSON instead of tables.")
+@_writing()
 def bench(
     places: tuple[str, ...],
     codecs: str | None,
@@ -125,6 +146,8 @@ def bench(
 def _pictures(places: Sequence[str]) -> list[Path]:
     from sgicodec.bench.run import find_pictures
 
+    if "" in places:
+        raise UsageError("the name of a picture or folder is empty")
     if remote := [name for name in places if is_url(name)]:
         raise UsageError(f"{remote[0]}: sgi bench measures files, not URLs; fetch it first")
     return find_pictures([Path(name) for name in places])

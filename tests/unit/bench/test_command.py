@@ -16,7 +16,7 @@ from range_server import served
 
 import sgicodec
 from sgicodec.bench.command import bench, compare
-from sgicodec.errors import OutputExistsError, SgiError, StreamError, TargetMissedError, UsageError
+from sgicodec.errors import OutputExistsError, PictureError, SgiError, StreamError, TargetMissedError, UsageError
 from sgicodec.metrics.perceptual import Perceived
 
 
@@ -98,6 +98,14 @@ def test_bench_ends_with_an_error_if_a_point_failed(tmp_path: Path) -> None:
     assert len(json.loads(result.stdout)["failures"]) == 9
 
 
+@pytest.mark.parametrize("options", [["--no-plots"], ["--lossless"]])
+def test_bench_says_what_it_cannot_write(tmp_path: Path, options: list[str]) -> None:
+    source = save(tmp_path / "p.png", picture())
+    error = call(bench, source, "--codecs", "webp", "--out", source, *options).exception
+    assert isinstance(error, PictureError)
+    assert str(error) == f"{source}: File exists"
+
+
 @pytest.mark.parametrize(
     ("arguments", "complaint"),
     [
@@ -109,6 +117,7 @@ def test_bench_ends_with_an_error_if_a_point_failed(tmp_path: Path) -> None:
         (["--sheets", "s", "--sheet-rates", "low"], "--sheet-rates takes numbers"),
         (["--sgi", "--tile 64"], "--sgi takes NAME=OPTIONS"),
         (["--sgi", "fine='"], "--sgi: No closing quotation"),
+        ([""], "the name of a picture or folder is empty"),
     ],
 )
 def test_bench_refuses_what_makes_no_sense(tmp_path: Path, arguments: list[str], complaint: str) -> None:
