@@ -21,7 +21,7 @@ from starlette.staticfiles import StaticFiles
 
 from sgicodec.decoder.stream import Stream
 from sgicodec.device import ALL_CORES, Device
-from sgicodec.errors import SgiError, UsageError
+from sgicodec.errors import SgiError, StreamError, UsageError
 from sgicodec.server import deepzoom, iiif
 from sgicodec.server.access import LOG, Access
 from sgicodec.server.catalog import Catalog
@@ -97,7 +97,7 @@ def application(catalog: Catalog, settings: Settings) -> Starlette:
     if settings.address is not None:
         own = frozenset(route.path.split("/")[1] for route in routes)
         middleware.append(Middleware(PublicAddress, address=settings.address, own=own))
-    handlers = {Refusal: _refused, SgiError: _failed, MemoryError: _exhausted}
+    handlers = {Refusal: _refused, FileNotFoundError: _gone, SgiError: _failed, MemoryError: _exhausted}
     return Starlette(routes=routes, middleware=middleware, exception_handlers=handlers, lifespan=lifespan)
 
 
@@ -219,8 +219,11 @@ class _Service:
         """What `work` makes of the opened stream, on a thread. admitted: as of `Workers.run`."""
 
         def run() -> _Result:
-            with self._streams.opened(path) as stream:
-                return work(stream)
+            try:
+                with self._streams.opened(path) as stream:
+                    return work(stream)
+            except StreamError as error:
+                raise error.__cause__ if isinstance(error.__cause__, FileNotFoundError) else error from None
 
         return await self._workers.run(run, request.is_disconnected, admitted)
 
@@ -234,10 +237,7 @@ class _Service:
 
     def _caching(self, path: Path, what: object) -> dict[str, str]:
         """Headers that tell others how long they may keep an answer, and how to ask for it again."""
-        try:
-            found = identity(path)
-        except OSError:
-            raise Refusal(404, "the file is gone") from None
+        found = identity(path)
         tag = hashlib.blake2b(repr((found, what, __version__)).encode(), digest_size=12).hexdigest()
         modified = formatdate(found[1] / 1e9, usegmt=True)
         age = f"{'public' if self._settings.public else 'private'}, max-age={self._settings.max_age}"
@@ -253,6 +253,10 @@ async def _refused(request: Request, error: Exception) -> Response:
     assert isinstance(error, Refusal)
     headers = {"retry-after": "1"} if error.status == 503 else None
     return PlainTextResponse(f"{error.text}\n", error.status, headers)
+
+
+async def _gone(request: Request, error: Exception) -> Response:
+    return PlainTextResponse("the file is gone\n", 404)
 
 
 async def _failed(request: Request, error: Exception) -> Response:

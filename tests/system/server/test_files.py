@@ -169,6 +169,23 @@ def test_a_listing_leaves_out_what_leads_nowhere(folder: Path, tmp_path: Path) -
         assert get("/files/circle.sgi").status == get("/files/line%0Abreak.sgi").status == 404
 
 
+class Vanishing(Folder):
+    """A folder each of whose files is gone as soon as it was found."""
+
+    def find(self, name: str) -> Path:
+        path = super().find(name)
+        path.unlink()
+        return path
+
+
+@pytest.mark.parametrize("path", ["files/a.sgi", "iiif/3/a.sgi/info.json", "iiif/3/a.sgi/full/max/0/default.jpg"])
+def test_a_file_that_goes_meanwhile_is_not_there(folder: Path, tmp_path: Path, path: str) -> None:
+    shutil.copy(folder / "wide.sgi", tmp_path / "a.sgi")
+    with running(application(Vanishing(tmp_path), Settings())) as get:
+        answer = get(f"/{path}")
+        assert (answer.status, answer.text) == (404, "the file is gone\n")
+
+
 def test_a_thumbnail_that_takes_long_is_left_out() -> None:
     page = {
         name: listing_page("", Listing([], [ListedStream("a.sgi", 10**7, size, has_overview)], False), "", True)
