@@ -86,9 +86,15 @@ def on_disk(origin: Origin) -> Iterator[Path]:
         head = stream.read(_HEAD)
         suffix = suffix if suffix in _SLIDES else _suffix(head)
         copy = stack.enter_context(tempfile.NamedTemporaryFile(prefix="sgicodec-", suffix=suffix))
-        copy.write(head)
-        shutil.copyfileobj(stream, copy)
-        copy.flush()
+        try:
+            copy.write(head)
+            shutil.copyfileobj(stream, copy)
+            copy.flush()
+        except OSError as error:  # a full disk that is not the picture's
+            with contextlib.suppress(OSError):  # of what the disk did not take before
+                copy.close()
+            text = error.strerror or str(error)
+            raise PictureError(f"it cannot be copied to {Path(copy.name).parent}: {text}") from error
         yield Path(copy.name)
 
 

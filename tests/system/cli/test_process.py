@@ -9,6 +9,7 @@ import resource
 import signal
 import subprocess
 import sys
+import tempfile
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
@@ -206,6 +207,15 @@ def test_files_that_cannot_grow(picture: Path, command: list[object], text: str)
     status, _, errors = run(*command, picture, "--steps", 2, "-j", 1, "--quiet", before=bound)
     assert (status, errors.count("\n"), text in errors) == (3, 1, True), errors
     assert list(picture.parent.iterdir()) == [picture]
+
+
+def test_a_copy_of_stdin_that_cannot_grow(shared: Path, tmp_path: Path) -> None:
+    """The line names the folder for temporary files, where it lies."""
+    bound = partial(resource.setrlimit, resource.RLIMIT_FSIZE, (64, 64))
+    with (shared / "scene.png").open("rb") as picture:
+        status, _, errors = run("encode", "-", tmp_path / "x.sgi", before=bound, stdin=picture)
+    folder = tempfile.gettempdir()
+    assert (status, errors) == (3, f"sgi: the picture: it cannot be copied to {folder}: File too large\n")
 
 
 @pytest.mark.parametrize("limit", [0, 64])
