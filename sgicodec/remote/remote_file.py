@@ -122,6 +122,8 @@ def _unreachable(error: BaseException | None) -> str:
     if isinstance(error, FileNotFoundError):
         return _unreachable(error.__cause__)
     status = getattr(error, "status", None)  # of an answer by HTTP
+    if status == 0:  # which only an end without an answer has
+        return "its server redirects from one address to the next"
     if isinstance(status, int):
         phrase = next((known.phrase for known in HTTPStatus if known == status), "")
         return "" if status in (404, 410) else f"its server answers {status} {phrase}".rstrip()

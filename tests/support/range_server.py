@@ -52,6 +52,7 @@ def served(files: dict[str, bytes], ranges: bool = True) -> Iterator[Served]:
             if data is None or record.status:
                 self.send_response(record.status or 404)
                 self.send_header("Content-Length", "0")
+                self.send_header("Location", self.path)  # of a redirection
                 self.end_headers()
                 return
             asked = re.fullmatch(r"bytes=(\d+)-(\d*)", self.headers.get("Range", "")) if record.ranges else None

@@ -96,6 +96,13 @@ def test_a_server_that_refuses_says_so(status: int, phrase: str) -> None:
             sgicodec.open(f"{server.url}/a.sgi")
 
 
+def test_a_server_that_redirects_in_a_circle() -> None:
+    with served({}) as server:
+        server.status = 302
+        with pytest.raises(StreamError, match=r"/a\.sgi: its server redirects from one address to the next$"):
+            sgicodec.open(f"{server.url}/a.sgi")
+
+
 @pytest.mark.parametrize("hidden", [False, True])
 def test_a_server_that_is_silent(hidden: bool) -> None:
     silent: Exception = TimeoutError()
