@@ -8,7 +8,6 @@
 #include "base/bytes.hpp"
 #include "bitstream/part.hpp"
 #include "bitstream/range_decoder.hpp"
-#include "bitstream/read_symbols.hpp"
 
 namespace sgi {
 
