@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/thread_pool.hpp"
+
 namespace sgi {
 namespace {
 
@@ -50,14 +52,34 @@ Footprints footprints(const OutputAxis &axis, int cell) {
   return found;
 }
 
+// lines [C, count, width]: row first + i of the grid interpolated at each output column; beyond its edges it repeats.
+// Each term is added in float64 and the sum rounded to float32.
+void write_lines(const BaseGrid &grid, int64_t first, int64_t count, const Footprints &across, int threads,
+                 std::vector<float> &lines) {
+  const auto width = int64_t(across.first.size());
+  lines.resize(size_t(grid.channels * count * width));
+  parallel_for(grid.channels * count, threads, [&](int64_t i) {
+    const int64_t row = std::clamp<int64_t>(first + i % count, 0, grid.rows - 1);
+    const double *cells = grid.values + (i / count * grid.rows + row) * grid.columns;
+    const double *weight = across.weights.data();
+    for (int64_t x = 0; x < width; ++x) {
+      float sum = 0;
+      for (int64_t cell = across.first[size_t(x)], end = cell + across.taps; cell < end; ++cell) {
+        const double term = cells[std::clamp<int64_t>(cell, 0, grid.columns - 1)] * *weight++;
+        sum = float(double(sum) + term);
+      }
+      lines[size_t(i * width + x)] = sum;
+    }
+  });
+}
+
 }  // namespace
 
 BaseView base_view(const BaseGrid &grid, int cell, const OutputAxis &x, const OutputAxis &y, int threads) {
   const Footprints across = footprints(x, cell), down = footprints(y, cell);
   const int64_t first = down.first.front(), count = down.first.back() - first + down.taps;
-  BaseView view{std::vector<float>(grid.channels * count * x.count), {}, {}, count, down.taps};
-  base_lines(grid, first, count, across.first.data(), across.weights.data(), x.count, across.taps, threads,
-             view.lines.data());
+  BaseView view{{}, {}, {}, count, down.taps};
+  write_lines(grid, first, count, across, threads, view.lines);
   for (const int64_t row : down.first) view.top.push_back(int32_t(row - first));
   view.down.assign(down.weights.begin(), down.weights.end());
   return view;

@@ -3,10 +3,14 @@
 #include <cstdint>
 #include <vector>
 
-#include "model/base_lines.hpp"
 #include "model/output_axis.hpp"
 
 namespace sgi {
+
+struct BaseGrid {
+  const double *values;  // [C, rows, columns]
+  int64_t channels, rows, columns;
+};
 
 // Row i of a block is the sum over t < taps of down[i][t] times line top[i] + t.
 struct BaseView {
