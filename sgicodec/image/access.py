@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -11,7 +11,7 @@ from sgicodec.errors import PictureError
 from sgicodec.image.opened import Opened
 from sgicodec.metadata.orientation import is_flipped, is_sideways
 
-__all__ = ["MAX_KEPT", "Access", "KeptRows", "Rows", "Tiles", "access", "whole"]
+__all__ = ["MAX_KEPT", "KeptRows", "Rows", "Tiles", "access", "whole"]
 
 Samples = npt.NDArray[Any]
 
@@ -28,17 +28,7 @@ _ANY_ROW = ("tiff",)
 """Formats whose rows can be read from anywhere without decoding all those before."""
 
 
-class Access(Protocol):
-    """One way to get at the stored pixels of an open picture."""
-
-    def read(self, x: int, y: int, width: int, height: int) -> Samples:
-        """A window [height, width, C] in the native type, a copy. Raises PictureError."""
-
-    def held(self, width: int, height: int) -> int:
-        """Most samples that exist at once while such windows are read one after the other, the window included."""
-
-
-def access(opened: Opened, keeps: bool = False) -> Access:
+def access(opened: Opened, keeps: bool = False) -> Tiles | Rows:
     """The way with the least memory for this picture. keeps: rows of a picture of up to MAX_KEPT bytes stay in memory
     once they were read.
 
@@ -60,7 +50,7 @@ class Tiles:
         self._opened = opened
 
     def read(self, x: int, y: int, width: int, height: int) -> Samples:
-        """As `Access` says."""
+        """A window [height, width, C] in the native type, a copy. Raises PictureError."""
         spec = self._opened.spec
         left = x - x % spec.tile_width
         right = min(left - (left - x - width) // spec.tile_width * spec.tile_width, spec.width)
@@ -74,7 +64,7 @@ class Tiles:
         return window
 
     def held(self, width: int, height: int) -> int:
-        """As `Access` says."""
+        """Most samples that exist at once while such windows are read one after the other, the window included."""
         spec = self._opened.spec
         across = min(width + 2 * spec.tile_width, spec.width)
         return int((width * height + 2 * across * spec.tile_height) * spec.nchannels)
@@ -103,7 +93,7 @@ class Rows:
         return _empty(self._opened, rows, self._opened.spec.width)
 
     def read(self, x: int, y: int, width: int, height: int) -> Samples:
-        """As `Access` says."""
+        """As of `Tiles`."""
         start, stop = y - y % self._step, self._step_end(y + height)
         if not self._first <= start <= stop <= self._first + len(self._band):
             self._move(start, stop)
@@ -151,7 +141,7 @@ class Rows:
             self._next = bottom
 
     def held(self, width: int, height: int) -> int:
-        """As `Access` says."""
+        """As of `Tiles`."""
         rows, channels = self._opened.spec.height, self._opened.spec.nchannels
         chunk = min(max(_CHUNK_SAMPLES, self._row_samples * self._step), self._row_samples * rows)
         return self._row_samples * self._held_rows(height) + int(max(2 * chunk, width * height * channels))
@@ -170,7 +160,7 @@ class KeptRows(Rows):
         self._known = 0
 
     def read(self, x: int, y: int, width: int, height: int) -> Samples:
-        """As `Access` says."""
+        """As of `Tiles`."""
         stop = self._step_end(y + height)
         if stop > self._known:
             self._fill(self._pixels[self._known : stop], self._known)

@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from sgicodec.errors import PictureError, UsageError
-from sgicodec.image.access import Access, KeptRows, Tiles, access
+from sgicodec.image.access import KeptRows, Tiles, access
 from sgicodec.image.header import MAX_SAMPLES, Probe, renumbered
 from sgicodec.image.jpeg2000_reader import Jpeg2000Reader
 from sgicodec.image.opened import Alpha, Opened, open_picture
@@ -66,7 +66,7 @@ class Source:
             self._state = _state_of(self.path)
             self._opened: Opened = open_picture(self.path, any_size=True, alpha=alpha, page=page)
             stack.callback(lambda: self._opened.image.close())
-            self._access: Access = access(self._opened, keeps)
+            self._access = access(self._opened, keeps)
             if self._opened.in_library or isinstance(self._access, KeptRows):
                 check_whole(self._opened, max_samples)
             self._check(1, 1)
