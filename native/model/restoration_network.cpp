@@ -119,8 +119,6 @@ int RestorationLayer::weight(int output, int input, int tap) const {
   return int16_t(input % 2 ? pair >> 16 : pair);
 }
 
-int RestorationLayer::bias(int output) const { return biases[output] / kBiasUnit; }
-
 RestorationNetwork parse_restoration(Bytes file) {
   Reader reader(file);
   RestorationNetwork network;

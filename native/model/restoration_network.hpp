@@ -14,7 +14,6 @@ struct RestorationLayer {
 
   LayerView view() const;
   int weight(int output, int input, int tap) const;
-  int bias(int output) const;  // in units of 64
 };
 
 struct RestorationNetwork {
