@@ -9,7 +9,7 @@ target_compile_definitions(sgi PRIVATE SGI_BUILDING=1 SGI_VERSION="${PROJECT_VER
 target_include_directories(sgi PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
 target_link_libraries(sgi PRIVATE Threads::Threads)
 target_link_options(sgi PRIVATE ${CHECKS})
-set_target_properties(sgi PROPERTIES VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
+set_target_properties(sgi PROPERTIES VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR})
 if(UNIX AND NOT APPLE AND NOT EMSCRIPTEN AND BUILD_SHARED_LIBS)
   # Nothing but the C interface is seen from outside, not even what templates of the standard library became. Once
   # loaded it stays: its threads wait for work as long as the process lives.
@@ -35,7 +35,7 @@ file(WRITE ${CMAKE_CURRENT_BINARY_DIR}/sgiConfig.cmake "include(CMakeFindDepende
 find_dependency(Threads)
 include(\${CMAKE_CURRENT_LIST_DIR}/sgiTargets.cmake)
 ")
-write_basic_package_version_file(${CMAKE_CURRENT_BINARY_DIR}/sgiConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+write_basic_package_version_file(${CMAKE_CURRENT_BINARY_DIR}/sgiConfigVersion.cmake COMPATIBILITY SameMajorVersion)
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/sgiConfig.cmake ${CMAKE_CURRENT_BINARY_DIR}/sgiConfigVersion.cmake DESTINATION ${PACKAGE})
 
 if(SGI_EXAMPLES)

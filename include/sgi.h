@@ -23,10 +23,10 @@ extern "C" {
 #define SGI_API
 #endif
 
-/* The version of this interface; `sgi_version` is that of the library that runs. Until 1.0, programs must be compiled
- * anew where the second number changes, and the name of the shared library changes with it. */
-#define SGI_VERSION_MAJOR 0
-#define SGI_VERSION_MINOR 1
+/* The version of this interface; `sgi_version` is that of the library that runs. Where the first number changes, the
+ * name of the shared library does, too, and programs must be compiled anew. */
+#define SGI_VERSION_MAJOR 1
+#define SGI_VERSION_MINOR 0
 
 typedef struct sgi_stream sgi_stream;
 
@@ -143,7 +143,7 @@ inline T sgi_sized() {
 #define SGI_INFO_INIT SGI_SIZED(sgi_info)
 #define SGI_VIEW_INIT SGI_SIZED(sgi_view)
 
-/* "0.1.0"; of the library that runs. */
+/* "1.0.0"; of the library that runs. */
 SGI_API const char *sgi_version(void);
 
 /* 1 if a file begins like a stream, 0 if not; eight bytes are enough. Silicon Graphics' pictures share the suffix. */

@@ -72,8 +72,8 @@ def source() -> str:
         functions.append(f"Bytes shipped_{function}({parameter}) {{\n{cases}{otherwise}}}\n")
 
     add("tables", "", {0: (BITSTREAM / "entropy" / "tables.bin").read_bytes()}, 4)
-    add("prior", "", {0: numbered("prior")[3]}, 2)
-    add("texture", "", {0: zlib.decompress(numbered("texture")[3])})
+    add("prior", "", {0: numbered("prior")[1]}, 2)
+    add("texture", "", {0: zlib.decompress((BITSTREAM / "parts" / "texture.bin").read_bytes())})
     add("restoration", "int number", numbered("restoration"))
     return "\n".join([HEAD, *arrays, "}  // namespace\n", *functions, "}  // namespace sgi\n"])
 

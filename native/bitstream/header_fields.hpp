@@ -8,7 +8,7 @@
 
 namespace sgi {
 
-constexpr int kFormatVersion = 27;        // the only one that is written and read, until 1.0
+constexpr int kFormatVersion = 1;         // the only one that there is
 constexpr int64_t kMaxNetwork = 1 << 14;  // bytes, about the products that a pixel takes
 constexpr int64_t kMaxFeatures = 1 << 13, kMaxHidden = 1 << 12, kMaxHashLevels = 32, kMaxHashResolution = 1 << 14;
 

@@ -9,7 +9,7 @@
 
 namespace sgi {
 
-constexpr int kPrior = 3;  // number of the prior
+constexpr int kPrior = 1;  // number of the prior
 
 using Networks = std::vector<std::shared_ptr<const IntNetwork>>;
 

@@ -13,7 +13,7 @@ namespace sgi::capi {
 
 constexpr size_t kMaxStruct = 4096;  // bytes; more is a size that was never set
 
-// Up to the last fields of the first version, 0.1: a program may know no later one.
+// Up to the last field that each program has: it may know no later one.
 constexpr size_t kMinOptions = offsetof(sgi_options, tile_bytes) + sizeof(sgi_options::tile_bytes);
 constexpr size_t kMinInfo = offsetof(sgi_info, file_bytes) + sizeof(sgi_info::file_bytes);
 constexpr size_t kMinView = offsetof(sgi_view, no_dither) + sizeof(sgi_view::no_dither);

@@ -17,7 +17,7 @@ from sgicodec.model.spec import ContextSpec, ModelSpec
 
 __all__ = ["LAYOUT_NAMES", "SAMPLE_TYPES", "decode_header"]
 
-FORMAT_VERSION = 27
+FORMAT_VERSION = 1
 MAX_SIDE, MAX_CHANNELS, MAX_TILES, MIN_TILE, MAX_APRON = 1 << 24, 64, 1 << 20, 32, 256
 LAYOUT_NAMES = ("multi", "gray", "gray+alpha", "rgb", "rgba")
 SAMPLE_TYPES = ("uint8", "uint16", "float32")

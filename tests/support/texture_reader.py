@@ -75,7 +75,7 @@ class TextureReader:
 
     def begin(self) -> None:
         """Section "Start"."""
-        state = zlib.decompress(files("sgicodec.bitstream.parts").joinpath("texture3.bin").read_bytes())
+        state = zlib.decompress(files("sgicodec.bitstream.parts").joinpath("texture.bin").read_bytes())
         assert len(state) == CONTEXTS
         self.logit = [4096 * (byte - 256 * (byte >> 7)) for byte in state]
 

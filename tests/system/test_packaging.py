@@ -93,4 +93,4 @@ def test_recipes_have_the_version_and_the_dependencies_of_the_package() -> None:
     changelog = (ROOT / "packaging" / "debian" / "changelog").read_text("utf-8")
     assert changelog.startswith(f"sgicodec ({project['version']}-1) ")
     control = (ROOT / "packaging" / "debian" / "control").read_text("utf-8")
-    assert f"Package: libsgi{project['version'].rpartition('.')[0]}\n" in control
+    assert f"Package: libsgi{project['version'].partition('.')[0]}\n" in control

@@ -1,12 +1,10 @@
 """Makes the golden streams that do not exist yet: `python tests/conformance/golden/make_golden.py`.
 
-Overwrites none, and makes none anew that is lost. Until 1.0 streams are made again when the format changes: `--again
-texture` does so with all whose names hold the word.
+Overwrites none, and makes none anew that is lost.
 """
 
 from __future__ import annotations
 
-import argparse
 import hashlib
 import json
 import sys
@@ -300,18 +298,14 @@ def samples(case: Case, device: Device = ONE_THREAD) -> bytes:
 
 def main() -> None:
     """Writes the streams that do not exist yet, their samples, and the manifest."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--again", metavar="WORD")
-    again = parser.parse_args().again
     manifest_path = HERE / "manifest.json"
     manifest = json.loads(manifest_path.read_text()) if manifest_path.exists() else {}
     known = json.loads(SAMPLES.read_text()) if SAMPLES.exists() else {}
     for name, (picture, settings) in pictures().items():
-        anew = again is not None and again in name
         path = HERE / f"{name}.sgi"
-        if path.exists() and not anew:
+        if path.exists():
             continue
-        if name in manifest and not anew:
+        if name in manifest:
             raise SystemExit(f"{path} is lost: take it from the history, for a new one would prove nothing")
         entry = manifest[name] = made(name, picture, settings)
         stated = cases(name, *entry["picture"][:2], TYPES[entry["sample_type"]])

@@ -103,7 +103,7 @@ def test_the_header_compiles_alone(compiler: list[str], include: str, tmp_path: 
 
 def test_cmake_finds_it(prefix: Path, tmp_path: Path) -> None:
     (tmp_path / "CMakeLists.txt").write_text(
-        "cmake_minimum_required(VERSION 3.18)\nproject(user C)\nfind_package(sgi 0.1 REQUIRED)\n"
+        "cmake_minimum_required(VERSION 3.18)\nproject(user C)\nfind_package(sgi 1.0 REQUIRED)\n"
         f"add_executable(user {ROOT / 'examples' / 'decode.c'})\ntarget_link_libraries(user sgi::sgi)\n"
     )
     build = tmp_path / "build"

@@ -65,7 +65,7 @@ def test_what_tiles_may_have_comes_back(path: Path, what: str) -> None:
             assert decode_header(payload) == changed
 
 
-@pytest.mark.parametrize("version", [*range(FORMAT_VERSION), FORMAT_VERSION + 1, 1 << 20])
+@pytest.mark.parametrize("version", [0, FORMAT_VERSION + 1, 1 << 20])
 def test_other_versions_are_refused(version: int) -> None:
     with pytest.raises(UnsupportedStreamError, match=f"format version {version}; this program reads version"):
         decode_header(header_of(GOLDEN_STREAMS[0], version=version))
