@@ -6,20 +6,26 @@ Overwrites none, and makes none anew that is lost.
 from __future__ import annotations
 
 import hashlib
+import io
 import json
 import sys
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
+from unittest import mock
 
 import numpy as np
 
 from sgicodec import EncodeSettings, Picture, encode_picture, read
 from sgicodec.bitstream.header import Header
 from sgicodec.bitstream.parts.tile import TileModel, write_tile
+from sgicodec.bitstream.rewriting import rewrite_stream
 from sgicodec.decoder.stream import open_stream
 from sgicodec.device import ONE_THREAD, Device
+from sgicodec.encoder import residual_form
+from sgicodec.encoder.input.windows import windows_of
+from sgicodec.encoder.residual import Layer, residual_layer
 from sgicodec.model.texture_symbols import SAME_COLOURS
 from sgicodec.rdoq.objective import with_values
 
@@ -117,6 +123,9 @@ def pictures() -> dict[str, tuple[Picture, EncodeSettings]]:
             Picture(beside_classes(small).pixels.astype(np.uint16) * 200, "multi", (0.0, 51000.0), blank=0.0),
             replace(textured, quality=40, tile=48, overview=True),
         ),
+        "rgb8-some-nodata": (some_nodata(small), quick),
+        "multi16-tiles-some-near": (some_holes(dark), replace(quick, tile=48, overview=True)),
+        "float-some-bits": (some_floats(small[:48, :64]), quick),
         "one-pixel": (Picture(small[:1, :1], "rgb", (0.0, 255.0)), quick),
     }
 
@@ -133,6 +142,46 @@ def beside_classes(photo: np.ndarray) -> Picture:
     y, x = np.mgrid[: photo.shape[0], : photo.shape[1]]
     pixels = np.dstack([(x * x + 9 * y) // 700 % 5, photo[..., 0], (x + y) // 20 % 2 * 255, photo[..., 1], 0 * x + 77])
     return Picture(np.ascontiguousarray(pixels.astype(np.uint8)), "multi", (0.0, 255.0))
+
+
+def some_nodata(photo: np.ndarray) -> Picture:
+    """Colours of which red lacks some."""
+    pixels = np.maximum(photo, 40)
+    pixels[10:30, 20:50, 0] = pixels[::9, ::7, 0] = 37
+    return Picture(pixels, "rgb", (40.0, 255.0), blank=37.0)
+
+
+def some_holes(dark: np.ndarray) -> Picture:
+    """Twelve bits in sixteen with nodata in the middle of their range, and unlike bands."""
+    bands = np.dstack([dark >> 4, 900 + (dark >> 6), 4095 - (dark >> 4)])
+    bands[bands == 2000] = 2001
+    bands[20:33, 40:60] = 2000
+    return Picture(bands, "multi", (0.0, 4095.0), blank=2000.0)
+
+
+def some_floats(photo: np.ndarray) -> Picture:
+    """Two bands of which no grid tells."""
+    noise = np.random.default_rng(5).normal(0, 9, photo.shape).astype(np.float32)
+    pixels = photo + noise * np.array([1, 0, 1], np.float32)
+    pixels[5, 7, 0] = np.inf
+    return Picture(pixels, "multi", (-30.0, 290.0), exact=True)
+
+
+LAYERS = {
+    "rgb8-some-nodata": ((1, 2), 0.0),
+    "multi16-tiles-some-near": ((0, 2), 3.0),
+    "float-some-bits": ((0, 1), 0.0),
+}
+"""Bands and greatest error of layers that no encode writes."""
+
+
+def with_layer(data: bytes, picture: Picture, bands: tuple[int, ...], max_error: float) -> bytes:
+    """The stream with a residual layer of some bands, without tables, which small pictures of floats have."""
+    whole = io.BytesIO()
+    with open_stream(data) as stream, mock.patch.object(residual_form, "with_table", lambda *_: None):
+        layer = residual_layer(stream, Layer(windows_of(picture), max_error, bands=bands), ONE_THREAD)
+    rewrite_stream(io.BytesIO(data), whole, layer)
+    return whole.getvalue()
 
 
 def cut_out(colours: np.ndarray, is_hard: bool = False) -> Picture:
@@ -270,6 +319,8 @@ def made(name: str, picture: Picture, settings: EncodeSettings) -> dict[str, Any
     data = encode_picture(picture, settings).data
     if "-any-" in name:
         data = with_any(data, ANY.get(name.rpartition("-")[2], with_any_texture))
+    if name in LAYERS:
+        data = with_layer(data, picture, *LAYERS[name])
     path.write_bytes(data)
     with open_stream(path) as stream:
         survey = stream.survey()
