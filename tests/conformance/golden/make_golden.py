@@ -178,7 +178,7 @@ LAYERS = {
 def with_layer(data: bytes, picture: Picture, bands: tuple[int, ...], max_error: float) -> bytes:
     """The stream with a residual layer of some bands, without tables, which small pictures of floats have."""
     whole = io.BytesIO()
-    with open_stream(data) as stream, mock.patch.object(residual_form, "with_table", lambda *_: None):
+    with open_stream(data) as stream, mock.patch.object(residual_form, "with_table", return_value=None):
         layer = residual_layer(stream, Layer(windows_of(picture), max_error, bands=bands), ONE_THREAD)
     rewrite_stream(io.BytesIO(data), whole, layer)
     return whole.getvalue()
