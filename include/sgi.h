@@ -179,7 +179,8 @@ SGI_API sgi_status sgi_get_range(sgi_stream *stream, uint32_t channel, float *lo
 /* By how much samples in the source's own type and size may be off the source's: 0 is without loss; -1 where the stream
  * promises nothing, as most do. Floats: in samples, else in levels. */
 SGI_API sgi_status sgi_get_max_error(sgi_stream *stream, double *max_error);
-/* Whether that counts for views of other sizes and types, too: they are made from the same samples. 1 or 0. */
+/* Whether that counts for views of other sizes and types, too: they are made from the same samples. 1 or 0. Also of
+ * streams in which text, alpha or some bands alone are without loss, for these. */
 SGI_API sgi_status sgi_get_exact_views(sgi_stream *stream, int *exact_views);
 /* Metadata that the stream holds: `*bytes` is null and `*size` 0 where there is none, with SGI_OK. Valid until
  * `sgi_close`. SGI_ERROR_USAGE: a kind that is no sgi_metadata. */
