@@ -105,8 +105,7 @@ class DecodeJob:
             with self.limits.held(), path_for(target, extension) as path:
                 shown, channels = self._write(stream, view, path, extension, kind), stream.header.channels
                 size = size_of(path)
-            is_exact = stream.max_error is not None or stream.exact_bands
-            if is_exact and not (stream.has_exact_views or self.lossy):
+            if stream.has_exact_pixels and not (stream.has_exact_views or self.lossy):
                 other = "depth" if dtype else "scale" if _is_scaled(stream, view, shown) else ""
                 lost += _lossy_samples(other, has_reductions=kind is not None and len(levels_of(*_size(shown))) > 1)
         for line in () if files.quiet else lost:

@@ -65,7 +65,7 @@ def _draw(stream: Stream) -> None:
     rows = max(1, _BAND_SAMPLES // (stream.width * stream.header.spec.channels))
     for top in range(0, stream.height, rows):
         region = (0, top, stream.width, min(rows, stream.height - top))
-        if stream.max_error is not None or stream.exact_bands:
+        if stream.has_exact_pixels:
             stream.picture(region)  # through the residual layer
         band = stream.render(region)
         if not np.isfinite(band).all():

@@ -184,6 +184,11 @@ class Stream(ArrayView):
         return tuple(band + 1 for band in self._open_native().exact_bands)
 
     @property
+    def has_exact_pixels(self) -> bool:
+        """Whether a residual layer shows samples of all or some bands in the picture's own pixels and type."""
+        return self.max_error is not None or bool(self.exact_bands)
+
+    @property
     def has_exact_alpha(self) -> bool:
         """Whether a residual layer shows alpha, and nothing else, of every view."""
         return bool(self._open_native().has_exact_alpha)

@@ -36,11 +36,11 @@ def without_loss(windows: Windows, plan: Plan) -> Division:
     plan = replace(plan, settings=settings)
     if has_all_samples(plan.header):
         seen = without_unseen_colours(windows)
-        return Division(seen, above_nothing(plan), Layer(seen, windows.shape.rounding, exact_views=True, is_off=True))
+        return Division(seen, above_nothing(plan), Layer.exact(seen, exact_views=True))
     if settings.quality is None:
         lmbda = replace(settings, quality=_QUALITY_BELOW).fit_settings().lmbda * _span(windows, plan.header) ** 2
         plan = plan.at(lmbda, quality_index(lmbda))
-    return Division(windows, plan, Layer(windows, windows.shape.rounding, is_off=True))
+    return Division(windows, plan, Layer.exact(windows))
 
 
 def _span(windows: Windows, header: Header) -> float:

@@ -21,7 +21,7 @@ from sgicodec.metadata.layouts import alpha_index
 from sgicodec.model.tile_grid import Rect
 from sgicodec.picture import nodata_samples
 
-__all__ = ["with_graphics"]
+__all__ = ["exact_instead", "with_graphics"]
 
 _LEAST_SHARE = 1 / 256
 """Of cells of a picture that are text or line art, where it has any."""
@@ -55,12 +55,18 @@ def with_graphics(windows: Windows, plan: Plan) -> Division:
         has_alpha = division.layer is None and alpha_index(header.channels) is not None
         if has_alpha and _is_alpha_cheap(windows, plan, sample):
             division = Division(windows, replace(plan, exact_alpha=True), Layer(windows, 0, is_alpha=True))
-    repeats, parts = _repeats(seen, sample), len(sample) / len(rects)
+    return replace(division, exact=exact_instead(windows, plan))
+
+
+def exact_instead(windows: Windows, plan: Plan) -> ExactDivision | None:
+    """The picture without loss, where most pixels repeat each other."""
+    header, rects = plan.header, list(block_rects(plan.header))
+    sample = some_of(rects)
+    repeats, parts = _repeats(without_unseen_colours(windows), sample), len(sample) / len(rects)
     if not repeats.are_usual or windows.shape.rounding:
-        return division
+        return None
     worth = 1.0 if has_all_samples(header) and header.sample_type == "uint8" else _WORTH_OF_DATA
-    exact = ExactDivision(without_loss(windows, plan), sample, parts, repeats.others / parts, worth)
-    return replace(division, exact=exact)
+    return ExactDivision(without_loss(windows, plan), sample, parts, repeats.others / parts, worth)
 
 
 def _repeats(windows: Windows, rects: Sequence[Rect]) -> Repeats:

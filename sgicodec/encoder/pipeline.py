@@ -16,7 +16,7 @@ from sgicodec.device import ALL_CORES, Device, check_device
 from sgicodec.encoder.below_layer import with_layer, without_loss
 from sgicodec.encoder.classes import bands_of_classes, lost_bands
 from sgicodec.encoder.division import Division, has_all_samples, is_quality_asked
-from sgicodec.encoder.graphics import with_graphics
+from sgicodec.encoder.graphics import exact_instead, with_graphics
 from sgicodec.encoder.input.windows import Windows, kept, windows_of, without_needless_alpha
 from sgicodec.encoder.plan import Plan, stream_plan
 from sgicodec.encoder.progress import NullListener
@@ -155,10 +155,9 @@ def _with_classes(windows: Windows, plan: Plan, bands: tuple[int, ...]) -> Divis
     """A layer that shows these bands, in every view where it can, unless it takes no more to show all."""
     if len(bands) == windows.shape.bands:
         return without_loss(windows, plan)
-    has_views, exact = has_all_samples(plan.header), _divided(windows, plan).exact
+    has_views, exact = has_all_samples(plan.header), exact_instead(windows, plan) if is_quality_asked(plan) else None
     shown = replace(plan, exact_bands=bands) if has_views else plan
-    layer = Layer(windows, windows.shape.rounding, exact_views=has_views, bands=bands, is_off=True)
-    return Division(windows, shown, layer, exact)
+    return Division(windows, shown, Layer.exact(windows, exact_views=has_views, bands=bands), exact)
 
 
 def _undivided(windows: Windows, plan: Plan) -> Division:

@@ -47,6 +47,11 @@ class Layer:
     is_off: bool = False
     is_alpha: bool = False
 
+    @classmethod
+    def exact(cls, windows: Windows, *, exact_views: bool = False, bands: tuple[int, ...] = ()) -> Layer:
+        """One without loss, but for what 32 bits of samples lack."""
+        return cls(windows, windows.shape.rounding, exact_views, bands=bands, is_off=True)
+
     def __post_init__(self) -> None:
         off = self._rounding
         if off >= self.max_error and off > 0 and not (self.is_alpha or self.is_off):
@@ -82,8 +87,7 @@ class Layer:
 
     def samples(self, rect: Rect) -> NDArray[np.float32]:
         """Those [h, w, c] that it has of a block."""
-        pixels = self.windows.read(*rect).pixels
-        return _samples(pixels[..., -1:] if self.is_alpha else self._with_bands(pixels))
+        return _samples(self._with_bands(self.windows.read(*rect).pixels))
 
     def drawn(self, rect: Rect, stream: Stream) -> NDArray[np.float32]:
         """What these are without it."""
@@ -92,7 +96,8 @@ class Layer:
         return _samples(self._with_bands(stream.picture(rect).pixels))
 
     def _with_bands(self, pixels: NDArray[Any]) -> NDArray[Any]:
-        return pixels[..., self.bands] if self.bands else pixels
+        bands = (-1,) if self.is_alpha else self.bands
+        return pixels[..., bands] if bands else pixels
 
     def _shown(self, rect: Rect) -> NDArray[Any]:
         """Pixels that it shows of a block: of cells, one below the other."""
