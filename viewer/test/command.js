@@ -31,6 +31,12 @@ export function decodedBands(stream, ...options) {
   });
 }
 
+/** Of streams, those whose residual layer corrects every view, not only that of their own scale. */
+export function exactViews(streams) {
+  const lines = execFileSync(PYTHON, ["-m", "sgicodec", "info", "--json", ...streams]).toString().split("\n");
+  return new Set(streams.filter((_, at) => JSON.parse(lines[at]).exact_views));
+}
+
 function drawn(stream, ...options) {
   return within((folder) => {
     const target = join(folder, "decoded.png");
