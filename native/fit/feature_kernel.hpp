@@ -1,7 +1,7 @@
 // One step of the paper profile's fit on a run of seeds that hold features: from attributes to Gaussians and bits, and
 // back to gradients. A lane holds a seed, which is one pixel wide.
 //
-// The reference, with torch, is tools/autograd.
+// The reference, with torch, is tests/support/torch_step.
 #pragma once
 #include <cstdint>
 
