@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from sgicodec.bitstream.header import Header
-from sgicodec.encoder.division import Division, above_nothing, has_all_samples, is_quality_asked, some_of
+from sgicodec.encoder.division import Division, above_nothing, has_all_samples, some_of
 from sgicodec.encoder.input.graphic_windows import without_unseen_colours
 from sgicodec.encoder.input.windows import Windows
 from sgicodec.encoder.plan import Plan
@@ -15,7 +15,6 @@ from sgicodec.encoder.residual import Layer
 from sgicodec.encoder.residual_form import Repeats, block_rects
 from sgicodec.metrics.jpeg_grid import jpeg_grid, jpeg_saving
 from sgicodec.metrics.psnr import luma
-from sgicodec.model.steps import quality_index
 from sgicodec.model.tile_grid import Rect
 from sgicodec.picture import nodata_samples
 
@@ -38,8 +37,8 @@ def without_loss(windows: Windows, plan: Plan) -> Division:
         seen = without_unseen_colours(windows)
         return Division(seen, above_nothing(plan), Layer.exact(seen, exact_views=True))
     if settings.quality is None:
-        lmbda = replace(settings, quality=_QUALITY_BELOW).fit_settings().lmbda * _span(windows, plan.header) ** 2
-        plan = plan.at(lmbda, quality_index(lmbda))
+        usual = replace(settings, quality=_QUALITY_BELOW).fit_settings().lmbda
+        plan = plan.at(usual * _span(windows, plan.header) ** 2)
     return Division(windows, plan, Layer.exact(windows))
 
 
@@ -62,7 +61,7 @@ def with_layer(windows: Windows, plan: Plan) -> Division:
     pixels repeat each other, and next to nothing of what was a JPEG file.
     """
     header, max_error, repeats = plan.header, plan.settings.max_error or 0.0, Repeats()
-    is_free = is_quality_asked(plan) and plan.settings.quality is None
+    is_free = plan.settings.is_quality_asked and plan.settings.quality is None
     rects: Sequence[Rect] = some_of(list(block_rects(header))) if is_free else ()
     savings: list[float] = []  # of blocks of a JPEG file
     for rect in rects:
@@ -81,5 +80,4 @@ def with_layer(windows: Windows, plan: Plan) -> Division:
 def _nearly_exact(plan: Plan, max_error: float) -> Plan:
     """The plan of tiles that show what was a JPEG file so well that a layer has little to add to any sample."""
     less = _ERROR_DOUBLING * math.log2(max(max_error, _EXACT_ERROR) / _EXACT_ERROR)
-    lmbda = replace(plan.settings, quality=max(1.0, _JPEG_QUALITY - less)).fit_settings().lmbda
-    return plan.at(lmbda, quality_index(lmbda))
+    return plan.at(replace(plan.settings, quality=max(1.0, _JPEG_QUALITY - less)).fit_settings().lmbda)

@@ -9,10 +9,9 @@ from sgicodec.bitstream.header import Header
 from sgicodec.encoder.input.windows import Windows
 from sgicodec.encoder.plan import Plan
 from sgicodec.encoder.residual import Layer, bits_of_blocks
-from sgicodec.model.steps import quality_index
 from sgicodec.model.tile_grid import Rect
 
-__all__ = ["Division", "ExactDivision", "above_nothing", "has_all_samples", "is_quality_asked", "some_of"]
+__all__ = ["Division", "ExactDivision", "above_nothing", "has_all_samples", "some_of"]
 
 _LARGE_LMBDA = 1e4
 """At which a model of one Gaussian is best."""
@@ -53,12 +52,6 @@ class ExactDivision:
         return bits_of_blocks(self.division.plan.header, layer, self.rects) / self.parts < bits
 
 
-def is_quality_asked(plan: Plan) -> bool:
-    """Whether a quality says what the picture is to look like, named or not."""
-    settings = plan.settings
-    return "quality" in settings.chosen_profile.scales and settings.lmbda is None and settings.target is None
-
-
 def has_all_samples(header: Header) -> bool:
     """Whether all samples of a picture are numbers that are seen, but for colours without alpha."""
     return header.masked != "nodata" and not header.has_exact
@@ -73,4 +66,4 @@ def above_nothing(plan: Plan) -> Plan:
     """The plan of tiles that take next to nothing."""
     settings, header = replace(plan.settings, effort=1, steps=None), replace(plan.header, masked=None)
     plan = replace(plan, settings=settings, header=header, texture_lmbda=None)
-    return plan.at(_LARGE_LMBDA, quality_index(_LARGE_LMBDA))
+    return plan.at(_LARGE_LMBDA)

@@ -15,7 +15,6 @@ from sgicodec.rdoq.texture import NO_SPLIT_SEARCH, SPLIT_SEARCH_MARGIN
 
 __all__ = [
     "DEFAULT_EFFORT",
-    "LOW_EFFORT_STEPS",
     "PLAIN_STEPS",
     "PSNR_STEPS",
     "VISUAL_STEPS",
@@ -35,8 +34,8 @@ PSNR_STEPS = {1: 60, 2: 120, 3: 200, 4: 600, 5: 900, 6: 1400, 7: 2500, 8: 5000, 
 VISUAL_STEPS = {1: 60, 2: 130, 3: 200, 4: 300, 5: 450, 6: 900, 7: 1600, 8: 3200, 9: 6400}
 """The same for the eye with texture, which sees more of texture than of what more steps give to seeds."""
 DEFAULT_EFFORT = 4
-LOW_EFFORT_STEPS = 300
-"""From so many on, all that RDOQ and the search of texture have is worth its time."""
+_LOW_EFFORT_STEPS = 300
+"""Beneath texture, from so many on, all that RDOQ and the search of texture have is worth its time."""
 _USUAL_LMBDA, _SEED_POWER, _MIN_SEED_FACTOR = lmbda_of_quality(50), 0.6, 0.7
 """What `Effort.seed_lmbda` follows: for the eye it takes 0.4 % of bytes off at quality 30, 2 at 75 and 4.4 at 88,
 towards squared error 0.6 at 30, 2.3 at 66 and 7 at 80 (docs/notes/2026-11-texture-share.md)."""
@@ -76,10 +75,11 @@ def steps_of(effort: int, tuned_for: Tune, has_texture: bool) -> int:
     return VISUAL_STEPS[effort] if tuned_for == "visual" else PSNR_STEPS[effort]
 
 
-def effort_of(steps: int, tuned_for: Tune, is_low: bool = False) -> Effort:
-    """What goes with a fit of so many steps; is_low: without what gains little for its time. What a threshold switches
-    on is worth its time from there on; before, more steps gain more in the same time.
+def effort_of(steps: int, tuned_for: Tune, beneath_texture: bool = False) -> Effort:
+    """What goes with a fit of so many steps. What a threshold switches on is worth its time from there on; before, more
+    steps gain more in the same time.
     """
+    is_low = beneath_texture and steps < _LOW_EFFORT_STEPS
     low_passes = int(steps >= _RDOQ_STEPS or tuned_for == "psnr")
     rdoq_passes = _within(2, round(steps / 250), 5)
     return Effort(

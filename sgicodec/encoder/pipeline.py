@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, BinaryIO
 from sgicodec.device import ALL_CORES, Device, check_device
 from sgicodec.encoder.below_layer import with_layer, without_loss
 from sgicodec.encoder.classes import bands_of_classes, lost_bands
-from sgicodec.encoder.division import Division, has_all_samples, is_quality_asked
+from sgicodec.encoder.division import Division, has_all_samples
 from sgicodec.encoder.graphics import exact_instead, with_graphics
 from sgicodec.encoder.input.windows import Windows, kept, windows_of, without_needless_alpha
 from sgicodec.encoder.plan import Plan, stream_plan
@@ -57,13 +57,8 @@ class Encoded:
     ended_early: bool = False
     psnr: float | None = None
     devices: dict[str, int] = field(default_factory=dict, repr=False)
-    written: int = 0
-    """Bytes of a stream whose data are not here."""
-
-    @property
-    def size(self) -> int:
-        """Bytes of the stream."""
-        return len(self.data) or self.written
+    size: int = 0
+    """Bytes of the stream, whose data may be in an output."""
 
 
 def encode_picture(
@@ -128,7 +123,7 @@ def _way_to_divide(windows: Windows, plan: Plan, listener: NullListener) -> Call
     if off == 0:
         return with_layer
     bands, count = bands_of_classes(windows, plan), windows.shape.bands
-    if bands and off is None and is_quality_asked(replace(plan, settings=settings.without_target())):
+    if bands and off is None and settings.without_target().is_quality_asked:
         return lambda windows, plan: _with_classes(windows, plan, bands)
     if len(bands) == count:
         how = "change" if off is None else f"may change by {off:g}"
@@ -148,14 +143,15 @@ def _named(bands: Sequence[int]) -> str:
 
 
 def _divided(windows: Windows, plan: Plan) -> Division:
-    return with_graphics(windows, plan) if is_quality_asked(plan) else Division(windows, plan)
+    return with_graphics(windows, plan) if plan.settings.is_quality_asked else Division(windows, plan)
 
 
 def _with_classes(windows: Windows, plan: Plan, bands: tuple[int, ...]) -> Division:
     """A layer that shows these bands, in every view where it can, unless it takes no more to show all."""
     if len(bands) == windows.shape.bands:
         return without_loss(windows, plan)
-    has_views, exact = has_all_samples(plan.header), exact_instead(windows, plan) if is_quality_asked(plan) else None
+    has_views = has_all_samples(plan.header)
+    exact = exact_instead(windows, plan) if plan.settings.is_quality_asked else None
     shown = replace(plan, exact_bands=bands) if has_views else plan
     return Division(windows, shown, Layer.exact(windows, exact_views=has_views, bands=bands), exact)
 
@@ -163,7 +159,7 @@ def _with_classes(windows: Windows, plan: Plan, bands: tuple[int, ...]) -> Divis
 def _undivided(windows: Windows, plan: Plan) -> Division:
     if plan.settings.max_error is not None:
         return Division(windows, plan, Layer(windows, plan.settings.max_error))
-    bands = bands_of_classes(windows, plan) if is_quality_asked(plan) else ()
+    bands = bands_of_classes(windows, plan) if plan.settings.is_quality_asked else ()
     return _with_classes(windows, plan, bands) if bands else Division(windows, plan)
 
 
@@ -266,5 +262,5 @@ def _summary(data: bytes, size: int, finished: Finished, store: Store) -> Encode
         round(sum(steps) / max(1, len(steps))),
         any(tile.ended_early for tile in tiles),
         devices=dict(Counter(tile.fitted_by for tile in tiles if tile.fitted_by)),
-        written=size,
+        size=size,
     )

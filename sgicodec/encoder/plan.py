@@ -83,10 +83,9 @@ class Plan:
     exact_bands: tuple[int, ...] = ()
     """Bands, from 0 on, that are in a residual layer, so that tiles need not show them."""
 
-    @property
-    def stated_header(self) -> Header:
-        """That of the stream. Where alpha is exact, no mask need say where it is 0."""
-        return replace(self.header, masked=None) if self.exact_alpha else self.header
+    def stated(self, header: Header) -> Header:
+        """What a stream states of a header: where alpha is exact, no mask need say where it is 0."""
+        return replace(header, masked=None) if self.exact_alpha else header
 
     def of_header(self, window: Picture) -> Picture:
         """A window as the header describes its samples, without metadata."""
@@ -100,10 +99,10 @@ class Plan:
             eight_bits=self.eight_bits,
         )
 
-    def at(self, lmbda: float, quality: int) -> Plan:
-        """The same for tiles that are fitted at λ, whatever the target, with this index of the base colour step."""
-        settings = self.settings.at_lmbda(lmbda)
-        return replace(self, header=replace(self.header, quality=quality), settings=settings)
+    def at(self, lmbda: float) -> Plan:
+        """The same for tiles that are fitted at λ, whatever the target."""
+        header = replace(self.header, quality=quality_index(lmbda))
+        return replace(self, header=header, settings=self.settings.at_lmbda(lmbda))
 
 
 def check_clipped(shape: Shape) -> None:
@@ -122,7 +121,8 @@ def stream_plan(shape: Shape, settings: EncodeSettings) -> Plan:
     _check_shape(shape)
     if settings.max_error is not None:
         check_clipped(shape)
-    spec = _with_texture_that_fits(profile.spec(settings, shape.bands), grid)
+    settings = _with_texture_that_fits(settings, shape.bands, grid)
+    spec = profile.spec(settings, shape.bands)
     if settings.tuned_for == "visual" and shape.channels in COLOURED_LAYOUTS and spec.plain:
         spec = replace(spec, luma_space=True)
     _check_model(spec, grid)
@@ -150,13 +150,13 @@ def stream_plan(shape: Shape, settings: EncodeSettings) -> Plan:
     return Plan(header, settings, _software(settings, fit), metadata, shape.eight_bits)
 
 
-def _with_texture_that_fits(spec: ModelSpec, grid: TileGrid) -> ModelSpec:
-    """The model without texture where a tile is too large for any."""
+def _with_texture_that_fits(settings: EncodeSettings, bands: int, grid: TileGrid) -> EncodeSettings:
+    """Settings without texture where a tile is too large for any."""
     try:
-        check_texture(spec.channels, *grid.rect(0)[2:])
+        check_texture(bands, *grid.rect(0)[2:])
     except LimitError:
-        return replace(spec, texture=False, restoration=False)
-    return spec
+        return replace(settings, texture=False)
+    return settings
 
 
 def _check_network(header: Header) -> None:

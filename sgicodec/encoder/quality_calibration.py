@@ -19,7 +19,6 @@ from sgicodec.bitstream.header import Masked
 from sgicodec.encoder.input.nodata import empty_pixels
 from sgicodec.encoder.input.windows import Windows
 from sgicodec.encoder.plan import Plan
-from sgicodec.model.steps import quality_index
 from sgicodec.picture import Picture, exact_samples, nodata_samples, to_unit
 from sgicodec.rate_control.quality_search import QUALITY_PER_OCTAVE
 
@@ -46,15 +45,12 @@ def with_quality_calibration(windows: Windows, plan: Plan) -> Plan:
     that are tuned for the eye and not of bands without a meaning, and only where a quality was asked for.
     """
     settings, header = plan.settings, plan.header
-    scales = settings.chosen_profile.scales
-    fixed = settings.target or settings.lmbda is not None or scales.get("quality") != "lmbda"
-    if fixed or settings.tuned_for != "visual" or header.channels == "multi":
+    if not settings.is_quality_asked or settings.tuned_for != "visual" or header.channels == "multi":
         return plan
     gradients = [log_gradients(picture, header.masked) for picture in _sample(windows, header.width, header.height)]
     blocks = np.concatenate(gradients)
     offset = quality_offset(blocks.mean(axis=0), settings.chosen_quality) if len(blocks) else 0.0
-    lmbda = settings.fit_settings().lmbda * 2.0 ** (-offset / QUALITY_PER_OCTAVE)
-    planned = plan.at(lmbda, quality_index(lmbda))
+    planned = plan.at(settings.fit_settings().lmbda * 2.0 ** (-offset / QUALITY_PER_OCTAVE))
     return planned if header.tile else replace(planned, calibrated_quality=settings.chosen_quality)
 
 

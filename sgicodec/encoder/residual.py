@@ -110,8 +110,9 @@ def residual_layer(stream: Stream, layer: Layer, device: Device) -> bytes:
 
     Raises PictureError for a picture that is not the stream's.
     """
-    header, stream.lossy = stream.header, True
+    header = stream.header
     _check_shape(header, layer.windows)
+    stream.lossy = True
     form = layer.form(header, block_rects(header))
     blocks, whole = [], encode_header(header)
     with ThreadPoolExecutor(device.cores) as pool:

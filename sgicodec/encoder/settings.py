@@ -9,7 +9,7 @@ from numbers import Integral, Real
 from typing import Any, Literal
 
 from sgicodec.bitstream.header import MAX_APRON, MAX_SIDE, MIN_TILE
-from sgicodec.encoder.effort import DEFAULT_EFFORT, LOW_EFFORT_STEPS, Effort, Tune, effort_of, steps_of
+from sgicodec.encoder.effort import DEFAULT_EFFORT, Effort, Tune, effort_of, steps_of
 from sgicodec.errors import UsageError
 from sgicodec.model.tile_grid import TileGrid
 from sgicodec.profiles import PROFILES, Profile
@@ -115,21 +115,14 @@ class EncodeSettings:
         return self.steps or steps_of(self.effort, self.tuned_for, self.texture)
 
     @property
-    def is_low_effort(self) -> bool:
-        """Whether RDOQ and the search of texture leave out what gains little for its time."""
-        return self.fits_beneath_texture and self.fit_steps < LOW_EFFORT_STEPS
-
-    @property
     def fits_beneath_texture(self) -> bool:
-        """Whether most steps of a fit beneath texture are at half size, and short ones leave out what gains little for
-        its time.
-        """
+        """Whether texture shows what seeds leave."""
         return self.texture and self.profile == "default"
 
     @property
     def chosen_effort(self) -> Effort:
         """What is done to each tile, and how often."""
-        return effort_of(self.fit_settings().steps, self.tuned_for, self.is_low_effort)
+        return effort_of(self.fit_settings().steps, self.tuned_for, self.fits_beneath_texture)
 
     @property
     def tuned_for(self) -> Tune:
@@ -162,6 +155,11 @@ class EncodeSettings:
     def chosen_quality(self) -> float:
         """The quality, whether it is asked for or not."""
         return 50.0 if self.quality is None else self.quality
+
+    @property
+    def is_quality_asked(self) -> bool:
+        """Whether a quality says what the picture is to look like, named or not."""
+        return "quality" in self.chosen_profile.scales and self.lmbda is None and self.target is None
 
     @property
     def target(self) -> str | None:

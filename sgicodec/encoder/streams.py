@@ -124,7 +124,9 @@ class Finished:
     def write(self, file: BinaryIO, store: Store) -> int:
         """Writes the stream; returns its length."""
         plan, tiles = self.plan, map(store.payload, self.chosen)
-        return write_stream(file, plan.stated_header, plan.software, plan.metadata, tiles, self.overview, self.residual)
+        return write_stream(
+            file, plan.stated(plan.header), plan.software, plan.metadata, tiles, self.overview, self.residual
+        )
 
 
 class Streams:

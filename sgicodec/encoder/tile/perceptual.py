@@ -9,8 +9,6 @@ amplitudes move by a small part of their steps at a time.
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -38,23 +36,20 @@ MAX_MOVE = 12.0
 
 
 def best_looking(state: TileState) -> TileState:
-    """With texture of the best score for the bits at the λ of the encode, or for the quality that the plan is
-    calibrated to.
-    """
+    """With texture of the best score for the bits at its λ, or for the quality that the plan is calibrated to."""
     state, search = state.begin_texture()
-    tile, tuning, passes = state.tile, state.tile.tuning, state.tile.effort.ascent_passes
-    step, price = tuning.step(state.lmbda), tuning.price(state.lmbda)
-    layer = state.best_layer(search, step, price)
-    state = replace(state, strength=state.best_strength(search, layer))
+    tile, passes = state.tile, state.tile.effort.ascent_passes
+    layer = state.best_layer(search, state.first_step)
+    strength = state.best_strength(search, layer)
     screen = Screen(tile.spec, tile.picture.alpha is not None, tile.alpha)
-    ascent = ScoreAscent(tile.unit, screen, tile.empty, tile.device, passes, state.strength)
-    steps = CalibratedSteps(tile.plan.calibrated_quality, step, passes)
+    ascent = ScoreAscent(tile.unit, screen, tile.empty, tile.device, passes, strength)
+    steps = CalibratedSteps(tile.plan.calibrated_quality, state.first_step, passes)
     for _ in range(passes):
         if tile.watch.ending() or layer is None:
             break
         score = ascent.climb(search, layer, state.step_offsets)
-        layer = state.best_layer(search, steps.after(score), price, layer)
-    return state.with_texture(layer, state.strength)
+        layer = state.best_layer(search, steps.after(score), layer)
+    return state.with_texture(layer, strength)
 
 
 class ScoreAscent:

@@ -56,16 +56,15 @@ def prepare(tile: Tile) -> Prepared:
     if tile.spec.texture:
         fit = replace(fit, lmbda=tile.effort.seed_lmbda(fit.lmbda))
     base_step, base, target = base_layer(tile.spec, tile.unit, fit.lmbda)
-    return Prepared(tile, tile.fit.lmbda, fit, base_step, base, target, tile.weights)
+    return Prepared(tile, fit, base_step, base, target, tile.weights)
 
 
 def share(prepared: Prepared) -> Prepared:
     """Lets seeds count less where texture follows for fewer bits."""
     tile = prepared.tile
-    tile.watch.stage("prepare")
     if not tile.spec.texture:
         return prepared
-    part = seed_weights(prepared.target, prepared.lmbda)
+    part = seed_weights(prepared.target, tile.fit.lmbda)
     return replace(prepared, weights=part if tile.weights is None else part * tile.weights)
 
 
@@ -138,25 +137,21 @@ def rdoq(state: TileState) -> TileState:
 
 
 def texture(state: TileState) -> TileState:
-    """The tile with texture over what its seeds leave, restored, for the λ of the encode."""
+    """The tile with texture over what its seeds leave, restored, for its λ."""
     tile = state.tile
     if not tile.spec.texture:
         return state
     tile.watch.stage("texture")
-    if tile.plan.texture_lmbda is not None:
-        state = replace(state, lmbda=tile.plan.texture_lmbda)
     return best_looking(state) if tile.settings.tuned_for == "visual" else _nearest(state)
 
 
 def _nearest(state: TileState) -> TileState:
     """With texture of the least squared error for the bits: searched, and again for what restoration leaves."""
     state, search = state.begin_texture()
-    tile, tuning = state.tile, state.tile.tuning
-    step, price = tuning.step(state.lmbda), tuning.price(state.lmbda)
-    layer = state.best_layer(search, step, price)
+    layer = state.best_layer(search, state.first_step)
     strength = state.best_strength(search, layer)
     if layer is None or strength is None:
         return state.with_texture(layer, None)
-    restored = search.excluding(tile.restorer.correction(search, layer, strength))
-    layer = state.best_layer(restored, step, price, layer) or layer
+    restored = search.excluding(state.tile.restorer.correction(search, layer, strength))
+    layer = state.best_layer(restored, state.first_step, layer) or layer
     return state.with_texture(layer, state.best_strength(search, layer))

@@ -140,6 +140,12 @@ class Tile:
         return self.settings.rdoq and self.effort.rdoq.passes > 0 and can_optimise(self.spec)
 
     @property
+    def texture_lmbda(self) -> float:
+        """λ of its texture, which on the way to a target is not that of the encode."""
+        stated = self.plan.texture_lmbda if self.spec.texture else None
+        return self.fit.lmbda if stated is None else stated
+
+    @property
     def tuning(self) -> TextureTuning:
         """How steps of texture follow from λ."""
         return TUNINGS[self.settings.tuned_for]
@@ -209,8 +215,6 @@ class Prepared:
     """A tile before its fit."""
 
     tile: Tile
-    lmbda: float
-    """λ of the encode: squared error that a bit must save."""
     fit: FitSettings
     """The tile's, at the λ of its seeds."""
     base_step: int
@@ -234,8 +238,6 @@ class TileState(Prepared):
     step_offsets: NDArray[np.int8] | None = None
     """[rows, columns]: by how many quarters of an octave the steps of each superblock of texture are coarser; None for
     none."""
-    strength: Strength | None = None
-    """For the eye: of restoration, which is set before texture is searched."""
 
     def with_texture(self, texture: TextureSymbols | None, strength: Strength | None) -> TileState:
         """The tile with this layer, restored with this strength; None for none."""
@@ -251,34 +253,41 @@ class TileState(Prepared):
         searches = [self._search_of(left, grid) for grid in tile.grids]
         if len(searches) == 1:
             return searches[0]
-        price = tile.tuning.price(self.lmbda)
-        lapped, separate = (search.estimate(self._steps, price, state.step_offsets) for state, search in searches)
+        steps, price = self._steps(self.first_step), self.price
+        lapped, separate = (search.estimate(steps, price, state.step_offsets) for state, search in searches)
         return searches[1] if separate < SEPARATE_COST * lapped else searches[0]
 
     def _search_of(self, left: F32, grid: TextureGrid) -> tuple[TileState, TextureSearch]:
         """As `begin_texture`, for what seeds leave [C, H, W], on this grid."""
-        tile, steps = self.tile, self._steps
+        tile, steps = self.tile, self._steps(self.first_step)
         offsets = tile.masking.offsets(steps, grid)
-        colours = colours_for(left, steps, tile.tuning.price(self.lmbda), offsets, tile.device, grid)
+        colours = colours_for(left, steps, self.price, offsets, tile.device, grid)
         search = TextureSearch(left, tile.device, tile.effort.split_margin, None, colours, grid)
         return replace(self, step_offsets=offsets), search
 
     @property
-    def _steps(self) -> TextureSteps:
-        """Those of texture for λ."""
-        return self.tile.tuning.steps(self.tile.tuning.step(self.lmbda), self.tile.spec.channels)
+    def first_step(self) -> int:
+        """Index of the lowest step of texture for λ."""
+        return self.tile.tuning.step(self.tile.texture_lmbda)
+
+    @property
+    def price(self) -> float:
+        """λ of texture in squared steps."""
+        return self.tile.tuning.price(self.tile.texture_lmbda)
+
+    def _steps(self, lowest: int) -> TextureSteps:
+        return self.tile.tuning.steps(lowest, self.tile.spec.channels)
 
     def best_layer(
-        self, search: TextureSearch, step: int, price: float, blocks: TextureSymbols | None = None
+        self, search: TextureSearch, lowest: int, blocks: TextureSymbols | None = None
     ) -> TextureSymbols | None:
-        """The layer of least cost, None where nothing is worth its bits. step: index of the lowest step; price: λ in
-        squared steps; blocks: a layer whose blocks are taken, None for the best.
+        """The layer of least cost, None where nothing is worth its bits. lowest: index of the lowest step; blocks: a
+        layer whose blocks are taken, None for the best.
         """
-        steps = self.tile.tuning.steps(step, self.tile.spec.channels)
-        return search.at(steps, price, self.step_offsets, blocks)
+        return search.at(self._steps(lowest), self.price, self.step_offsets, blocks)
 
     def best_strength(self, search: TextureSearch, layer: TextureSymbols | None) -> Strength | None:
         """With which to restore what this layer shows, None where that is better as it is."""
         if layer is None or not self.tile.spec.restoration:
             return None
-        return self.tile.restorer.strength(search, layer, self.lmbda)
+        return self.tile.restorer.strength(search, layer, self.tile.texture_lmbda)

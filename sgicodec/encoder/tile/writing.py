@@ -30,7 +30,7 @@ class EncodedTile:
     length: int
     """Bytes of the payload, which may not be here."""
     lmbda: float
-    """Its λ."""
+    """That of its texture, or of its seeds alone."""
     steps: int = 0
     """Of its fit."""
     fitted_by: str = ""
@@ -50,28 +50,25 @@ def write(state: TileState) -> EncodedTile:
         restoration = spec.restoration and model.restoration is not None
         network = header.network if restoration else b""
         header = replace(header, spec=replace(spec, texture=texture, restoration=restoration), network=network)
-    if tile.plan.exact_alpha:
-        header = replace(header, masked=None)
+    header = tile.plan.stated(header)
     coded, writer = write_tile(header, model)
     parts = {name: bits / 8 for name, bits in writer.bits.items()}
-    return _encoded(tile, header, coded, parts, len(model.layout), state.lmbda)
+    return _encoded(tile, header, coded, parts, len(model.layout))
 
 
 def write_nothing(tile: Tile) -> EncodedTile:
     """A tile that holds nothing."""
-    return _encoded(tile, tile.header, None, {}, 0, tile.fit.lmbda)
+    return _encoded(tile, tile.header, None, {}, 0)
 
 
-def _encoded(
-    tile: Tile, header: Header, coded: bytes | None, parts: dict[str, float], seeds: int, lmbda: float
-) -> EncodedTile:
+def _encoded(tile: Tile, header: Header, coded: bytes | None, parts: dict[str, float], seeds: int) -> EncodedTile:
     """The tile with this model, None for nothing."""
-    stream_header = header if tile.is_only else tile.plan.stated_header
+    stream_header = header if tile.is_only else tile.plan.stated(tile.plan.header)
     payload = _chunk(tile, stream_header, tile.number, coded)
     if stream_header.masked is not None or stream_header.has_exact:
         parts["mask"] = len(payload) - len(coded or b"")
     stated = header if tile.is_only else None
-    return EncodedTile(payload, parts, seeds, len(payload), lmbda, header=stated)
+    return EncodedTile(payload, parts, seeds, len(payload), tile.texture_lmbda, header=stated)
 
 
 def _chunk(tile: Tile, header: Header, number: int, coded: bytes | None) -> bytes:

@@ -6,10 +6,13 @@ import re
 from dataclasses import fields
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from sgicodec.encoder.effort import Effort, Tune, effort_of
+from sgicodec.encoder.plan import Shape, stream_plan
 from sgicodec.encoder.settings import EncodeSettings
+from sgicodec.picture import Metadata
 from sgicodec.rdoq import RdoqSettings
 
 TEXT = (Path(__file__).parents[3] / "docs" / "architecture.md").read_text("utf-8")
@@ -49,3 +52,10 @@ def test_short_fits_beneath_texture_leave_out_what_gains_little() -> None:
     assert (low.rdoq.passes, plain.rdoq.passes) == (1, 2)
     assert [effort_of(60, tune, True).rdoq.passes for tune in TABLES] == [0, 1]
     assert low.split_margin < plain.split_margin
+
+
+def test_a_tile_too_large_for_texture_has_the_fit_without_it() -> None:
+    shape = Shape(9000, 8000, "rgb", 3, np.dtype(np.uint8), (0, 255), Metadata(), None)
+    plan, plain = (stream_plan(shape, EncodeSettings(tile=0, texture=texture)) for texture in (True, False))
+    assert not plan.header.spec.texture
+    assert plan.settings.fit_settings() == plain.settings.fit_settings()
