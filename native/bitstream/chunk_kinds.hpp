@@ -1,4 +1,4 @@
-// The kinds of chunks (docs/format.md, "File"): readers, the writer and reports of sizes go by this table.
+// The kinds of chunks (docs/format.md, "File"): readers and reports of sizes go by this table.
 #pragma once
 #include <string>
 

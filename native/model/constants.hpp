@@ -1,5 +1,5 @@
-// Numbers of the format and of the arithmetic around it (docs/format.md, "Context model" and "Drawing"), stated here
-// alone: Python reads them from the extension.
+// Numbers of the context model and of drawing (docs/format.md), and of the arithmetic around them, stated here alone:
+// Python reads them from the extension.
 #pragma once
 
 namespace sgi {

@@ -66,7 +66,7 @@ def refine(
     from sgicodec.decoder.stream import open_stream
     from sgicodec.encoder.input.windows import windows_of, without_needless_alpha
     from sgicodec.encoder.plan import check_clipped, stream_plan
-    from sgicodec.encoder.residual import Layer, residual_layer
+    from sgicodec.encoder.residual.layer import ResidualLayer, residual_payload
     from sgicodec.encoder.settings import EncodeSettings
     from sgicodec.image.source import open_to_encode
 
@@ -86,7 +86,7 @@ def refine(
         check_clipped(windows.shape)
         if windows.shape.bands > stream.header.spec.channels:
             windows, _ = without_needless_alpha(windows, stream_plan(windows.shape, settings), listener)
-        layer = residual_layer(stream, Layer(windows, max_error), device)
+        layer = residual_payload(stream, ResidualLayer(windows, max_error), device)
     _rewritten(data, source, target, layer, quiet)
 
 

@@ -6,21 +6,17 @@ import io
 import shutil
 import tempfile
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO
 
 from sgicodec.device import ALL_CORES, Device, check_device
-from sgicodec.encoder.below_layer import with_layer, without_loss
-from sgicodec.encoder.classes import bands_of_classes, lost_bands
-from sgicodec.encoder.division import Division, has_all_samples
-from sgicodec.encoder.graphics import exact_instead, with_graphics
-from sgicodec.encoder.input.windows import Windows, kept, windows_of, without_needless_alpha
-from sgicodec.encoder.plan import Plan, stream_plan
+from sgicodec.encoder.input.windows import kept, windows_of, without_needless_alpha
+from sgicodec.encoder.plan import stream_plan
 from sgicodec.encoder.progress import NullListener
-from sgicodec.encoder.residual import Layer
+from sgicodec.encoder.residual.choice import fixed_division, way_to_divide
 from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.encoder.streams import Finished, Request, Streams
 from sgicodec.encoder.tiles.checkpoint import fingerprint
@@ -102,7 +98,7 @@ def encode_picture(
     windows, plan = without_needless_alpha(windows, plan, listener)
     where = Path(output) if isinstance(output, str) else output
     with locked(where) if isinstance(where, Path) else nullcontext():
-        request = Request(windows, plan, _way_to_divide(windows, plan, listener), listener, device)
+        request = Request(windows, plan, way_to_divide(windows, plan, listener), listener, device)
         if plan.header.tile and not isinstance(picture, Picture):  # one tile is read at once
             request = replace(request, check_unchanged=picture.check_unchanged)
         return _encoded(request, _Output(where, request.verified if verify else None), executor, store)
@@ -114,53 +110,7 @@ def encode_all_channels(picture: Picture, settings: EncodeSettings, device: Devi
     """
     windows = windows_of(picture)
     plan = stream_plan(windows.shape, settings)
-    return _encoded(Request(windows, plan, _undivided, NullListener(), device), _Output(None)).data
-
-
-def _way_to_divide(windows: Windows, plan: Plan, listener: NullListener) -> Callable[[Windows, Plan], Division]:
-    """How tiles and a residual layer share the picture. The listener gets to know of classes that change."""
-    settings, off = plan.settings, plan.settings.max_error
-    if off == 0:
-        return with_layer
-    bands, count = bands_of_classes(windows, plan), windows.shape.bands
-    if bands and off is None and settings.without_target().is_quality_asked:
-        return lambda windows, plan: _with_classes(windows, plan, bands)
-    if len(bands) == count:
-        how = "change" if off is None else f"may change by {off:g}"
-        listener.note(f"its few values, as of classes, {how}: use --lossless")
-    elif bands:
-        what = "few values or runs of equal ones, as of classes and numbered areas,"
-        listener.note(f"{what} change in {_named(bands)}: encode them apart, or use --lossless")
-    if off is not None and len(bands) < count and (lost := lost_bands(plan, off)):
-        what = f"an error of {off:g} either way spans all samples of {_named(lost)}"
-        listener.note(f"{what}: nothing of them need remain")
-    return _divided if off is None else with_layer
-
-
-def _named(bands: Sequence[int]) -> str:
-    """Bands, from 0 on, as messages call them."""
-    return f"band{'s' * (len(bands) > 1)} {', '.join(str(band + 1) for band in bands)}"
-
-
-def _divided(windows: Windows, plan: Plan) -> Division:
-    return with_graphics(windows, plan) if plan.settings.is_quality_asked else Division(windows, plan)
-
-
-def _with_classes(windows: Windows, plan: Plan, bands: tuple[int, ...]) -> Division:
-    """A layer that shows these bands, in every view where it can, unless it takes no more to show all."""
-    if len(bands) == windows.shape.bands:
-        return without_loss(windows, plan)
-    has_views = has_all_samples(plan.header)
-    exact = exact_instead(windows, plan) if plan.settings.is_quality_asked else None
-    shown = replace(plan, exact_bands=bands) if has_views else plan
-    return Division(windows, shown, Layer.exact(windows, exact_views=has_views, bands=bands), exact)
-
-
-def _undivided(windows: Windows, plan: Plan) -> Division:
-    if plan.settings.max_error is not None:
-        return Division(windows, plan, Layer(windows, plan.settings.max_error))
-    bands = bands_of_classes(windows, plan) if plan.settings.is_quality_asked else ()
-    return _with_classes(windows, plan, bands) if bands else Division(windows, plan)
+    return _encoded(Request(windows, plan, fixed_division, NullListener(), device), _Output(None)).data
 
 
 @dataclass(frozen=True)

@@ -51,6 +51,11 @@ class Shape:
     remark: str | None = None
     rounding: float = 0.0
 
+    @property
+    def is_clipped(self) -> bool:
+        """Whether colours were brighter than the alpha that they are multiplied by."""
+        return math.isinf(self.rounding)
+
     @classmethod
     def of(cls, picture: Picture) -> Shape:
         """That of a picture in memory."""
@@ -107,7 +112,7 @@ class Plan:
 
 def check_clipped(shape: Shape) -> None:
     """Raises PictureError for pixels that are not those of the file, whatever a residual layer adds."""
-    if math.isinf(shape.rounding):
+    if shape.is_clipped:
         raise PictureError(
             "the picture has colours brighter than the alpha that they are multiplied by, which are clipped: not every "
             "pixel can be kept; encode it without --lossless and --max-error"

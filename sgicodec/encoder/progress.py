@@ -57,8 +57,8 @@ class PassState:
 class NullListener(TileListener):
     """A listener that ignores all reports. Others override what they want to know.
 
-    Of a picture in one tile, `stage` tells load, prepare, fit, search, texture and verify, of several tiles load and
-    verify alone. `step` and `ending` are asked of a picture in one tile; if they end it, the stream is made of the
+    Of a picture in one tile, `stage` tells load, prepare, fit, search (of RDOQ), texture, residual and verify, of
+    several tiles load, residual and verify alone. `step` and `ending` are asked of a picture in one tile; if they end it, the stream is made of the
     seeds as they are.
     """
 

@@ -12,13 +12,13 @@ from typing import Any, BinaryIO
 from sgicodec.bitstream.stream_writer import write_stream
 from sgicodec.decoder.stream import Stream, open_stream
 from sgicodec.device import Device
-from sgicodec.encoder.division import Division
 from sgicodec.encoder.input.overview import overview_picture, overview_settings, takes_overview
 from sgicodec.encoder.input.windows import Windows
 from sgicodec.encoder.plan import Plan, stream_plan
 from sgicodec.encoder.progress import NullListener, PassState
 from sgicodec.encoder.quality_calibration import with_quality_calibration
-from sgicodec.encoder.residual import Layer, residual_layer
+from sgicodec.encoder.residual.division import Division
+from sgicodec.encoder.residual.layer import ResidualLayer, residual_payload
 from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.encoder.tiles.runner import TileRunner
 from sgicodec.encoder.tiles.store import Store, Version
@@ -218,11 +218,11 @@ class Streams:
 
         return self._store.cached(f"overview {index}", made)
 
-    def _residual(self, finished: Finished, layer: Layer) -> bytes:
+    def _residual(self, finished: Finished, layer: ResidualLayer) -> bytes:
         """The payload of the residual layer."""
         self._request.listener.stage("residual")
         with tempfile.TemporaryFile() as file:
             finished.write(file, self._store)
             file.seek(0)
             with open_stream(file, self._request.device.processor) as stream:
-                return residual_layer(stream, layer, self._request.device)
+                return residual_payload(stream, layer, self._request.device)

@@ -29,8 +29,8 @@ from sgicodec.bitstream.varint import encode_varint
 from sgicodec.decoder.stream import open_stream
 from sgicodec.device import Device
 from sgicodec.encoder.input.windows import windows_of
-from sgicodec.encoder.residual import Layer, residual_layer
-from sgicodec.encoder.residual_form import alpha_form, residual_form
+from sgicodec.encoder.residual.form import alpha_form, residual_form
+from sgicodec.encoder.residual.layer import ResidualLayer, residual_payload
 from sgicodec.errors import CorruptStreamError, PictureError, StreamError, UsageError
 
 QUICK = EncodeSettings(steps=20, quality=40, tune="psnr")
@@ -201,7 +201,7 @@ def test_it_is_taken_off_and_added_again(wide: Picture, exact: bytes) -> None:
     rewrite_stream(io.BytesIO(exact), lossy, None)
     assert lossy.getvalue() == encode_picture(wide, replace(QUICK, tile=256, overview=True)).data
     with open_stream(lossy.getvalue()) as stream:
-        layer = residual_layer(stream, Layer(windows_of(wide), 0), Device(2))
+        layer = residual_payload(stream, ResidualLayer(windows_of(wide), 0), Device(2))
     assert rewrite_stream(lossy, again, layer) == len(exact)
     assert again.getvalue() == exact
 
@@ -209,7 +209,7 @@ def test_it_is_taken_off_and_added_again(wide: Picture, exact: bytes) -> None:
 def test_a_layer_for_another_picture_is_refused(wide: Picture, exact: bytes) -> None:
     other = replace(wide, pixels=wide.pixels[:, :-1])
     with open_stream(exact) as stream, pytest.raises(PictureError, match="589×530 pixels"):
-        residual_layer(stream, Layer(windows_of(other), 0), Device(1))
+        residual_payload(stream, ResidualLayer(windows_of(other), 0), Device(1))
 
 
 @pytest.mark.parametrize("brightest", [100, 101])

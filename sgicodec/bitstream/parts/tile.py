@@ -77,7 +77,7 @@ def quantise(header: Header, model: TileModel) -> QuantisedAttributes:
 
 
 def write_tile(header: Header, model: TileModel) -> tuple[bytes, SymbolWriter]:
-    """The payload of chunk T, and the writer with the bits of every part.
+    """A model as the payload of its tile's chunk ends with it, and the writer with the bits of every part.
 
     Raises LimitError for a model that `read_tile` would refuse.
     """

@@ -23,9 +23,9 @@ from sgicodec.bitstream.parts.tile import TileModel, write_tile
 from sgicodec.bitstream.rewriting import rewrite_stream
 from sgicodec.decoder.stream import open_stream
 from sgicodec.device import ONE_THREAD, Device
-from sgicodec.encoder import residual_form
 from sgicodec.encoder.input.windows import windows_of
-from sgicodec.encoder.residual import Layer, residual_layer
+from sgicodec.encoder.residual import form
+from sgicodec.encoder.residual.layer import ResidualLayer, residual_payload
 from sgicodec.model.texture_symbols import SAME_COLOURS
 from sgicodec.rdoq.objective import with_values
 
@@ -178,8 +178,8 @@ LAYERS = {
 def with_layer(data: bytes, picture: Picture, bands: tuple[int, ...], max_error: float) -> bytes:
     """The stream with a residual layer of some bands, without tables, which small pictures of floats have."""
     whole = io.BytesIO()
-    with open_stream(data) as stream, mock.patch.object(residual_form, "with_table", return_value=None):
-        layer = residual_layer(stream, Layer(windows_of(picture), max_error, bands=bands), ONE_THREAD)
+    with open_stream(data) as stream, mock.patch.object(form, "with_table", return_value=None):
+        layer = residual_payload(stream, ResidualLayer(windows_of(picture), max_error, bands=bands), ONE_THREAD)
     rewrite_stream(io.BytesIO(data), whole, layer)
     return whole.getvalue()
 

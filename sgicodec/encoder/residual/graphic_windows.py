@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sgicodec.encoder.graphic_cells import CELL, Cells, ColourCounts, cells_in, colour_keys, pixels_in_cells
 from sgicodec.encoder.input.nodata import inpaint
 from sgicodec.encoder.input.windows import Windows
+from sgicodec.encoder.residual.graphic_cells import CELL, Cells, ColourCounts, cells_in, colour_keys, pixels_in_cells
 from sgicodec.metadata.layouts import alpha_index
 from sgicodec.model.tile_grid import Rect
 from sgicodec.picture import Picture

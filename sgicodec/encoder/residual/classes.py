@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sgicodec.encoder.division import some_of
 from sgicodec.encoder.input.windows import Windows
 from sgicodec.encoder.plan import Plan
-from sgicodec.encoder.residual_form import DistinctPixels, Repeats, block_rects
+from sgicodec.encoder.residual.blocks import DistinctPixels, Repeats, block_rects, judged_rects
 from sgicodec.metadata import geo
 from sgicodec.metadata.layouts import alpha_index, band_ranges
 from sgicodec.picture import nodata_samples
@@ -37,7 +35,7 @@ def bands_of_classes(windows: Windows, plan: Plan) -> tuple[int, ...]:
     bands without a meaning that have few by themselves, and may change, or numbers of areas. On a map the former may be
     colours: GDAL calls three bands of 8 bits red, green and blue.
     """
-    if math.isinf(windows.shape.rounding):
+    if windows.shape.is_clipped:
         return ()
     if _holds_classes(windows, plan):
         return tuple(range(windows.shape.bands))
@@ -71,7 +69,7 @@ def _labelled_bands(windows: Windows, plan: Plan) -> set[int]:
     if plan.header.channels != "multi":
         return set()
     runs = [(Repeats(), DistinctPixels(1)) for _ in range(windows.shape.bands)]
-    for rect in some_of(list(block_rects(plan.header))):
+    for rect in judged_rects(plan.header):
         window = windows.read(*rect)
         is_label = (window.pixels != 0) & ~nodata_samples(window)
         for band, (repeats, values) in enumerate(runs):
@@ -110,9 +108,8 @@ def _may_change(values: NDArray[Any], repeats: Repeats, plan: Plan) -> bool:
 
 def _blocks(windows: Windows, plan: Plan) -> Iterator[NDArray[Any]]:
     """Pixels [h, w, C] of all blocks, those first by which most pictures are told already."""
-    rects = list(block_rects(plan.header))
-    first = some_of(rects)
-    for rect in (*first, *(rect for rect in rects if rect not in first)):
+    first = judged_rects(plan.header)
+    for rect in (*first, *(rect for rect in block_rects(plan.header) if rect not in first)):
         yield windows.read(*rect).pixels
 
 

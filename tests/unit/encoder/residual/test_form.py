@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from sgicodec import EncodeSettings, Picture
 from sgicodec.encoder.plan import Shape, stream_plan
-from sgicodec.encoder.residual_form import residual_form
+from sgicodec.encoder.residual.form import residual_form
 
 
 def samples_of(pixels: NDArray[np.uint8], max_error: int) -> tuple[NDArray[np.int_], int]:

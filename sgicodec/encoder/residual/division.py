@@ -8,15 +8,13 @@ from dataclasses import dataclass, replace
 from sgicodec.bitstream.header import Header
 from sgicodec.encoder.input.windows import Windows
 from sgicodec.encoder.plan import Plan
-from sgicodec.encoder.residual import Layer, bits_of_blocks
+from sgicodec.encoder.residual.layer import ResidualLayer, bits_of_blocks
 from sgicodec.model.tile_grid import Rect
 
-__all__ = ["Division", "ExactDivision", "above_nothing", "has_all_samples", "some_of"]
+__all__ = ["Division", "ExactDivision", "has_all_samples", "nearly_empty_tiles"]
 
 _LARGE_LMBDA = 1e4
 """At which a model of one Gaussian is best."""
-_MOST_BLOCKS = 12
-"""By which a picture is judged."""
 _OTHER_BYTES = 150
 """Of a picture of which a layer shows all: headers, tables, tiles."""
 
@@ -27,7 +25,7 @@ class Division:
 
     windows: Windows
     plan: Plan
-    layer: Layer | None = None
+    layer: ResidualLayer | None = None
     exact: ExactDivision | None = None
     """The picture without loss, where that may take fewer bytes."""
 
@@ -57,12 +55,7 @@ def has_all_samples(header: Header) -> bool:
     return header.masked != "nodata" and not header.has_exact
 
 
-def some_of(rects: Sequence[Rect]) -> Sequence[Rect]:
-    """Some blocks of a picture by which it is judged, evenly spread."""
-    return rects[:: -(-len(rects) // _MOST_BLOCKS) or 1]
-
-
-def above_nothing(plan: Plan) -> Plan:
+def nearly_empty_tiles(plan: Plan) -> Plan:
     """The plan of tiles that take next to nothing."""
     settings, header = replace(plan.settings, effort=1, steps=None), replace(plan.header, masked=None)
     plan = replace(plan, settings=settings, header=header, texture_lmbda=None)

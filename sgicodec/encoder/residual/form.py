@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import struct
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Collection, Iterable
 from dataclasses import replace
 from typing import Any
 
@@ -13,11 +13,11 @@ from numpy.typing import NDArray
 from sgicodec import _native
 from sgicodec.bitstream.header import Header, encode_header
 from sgicodec.bitstream.varint import encode_varint
-from sgicodec.encoder.residual_grids import Floats, Grid, Integers, with_table
+from sgicodec.encoder.residual.blocks import DistinctPixels, Repeats
+from sgicodec.encoder.residual.grids import Floats, Grid, Integers, with_table
 from sgicodec.metadata.layouts import alpha_index
-from sgicodec.model.tile_grid import Rect
 
-__all__ = ["DistinctPixels", "Repeats", "alpha_form", "block_rects", "coded_bits", "residual_form"]
+__all__ = ["alpha_form", "coded_bits", "residual_form"]
 
 _BITS, _VIEWS, _PALETTE, _CELLS, _ALPHA_ALONE, _BANDS = 1, 2, 4, 8, 16, 32
 """Flags of a layer."""
@@ -125,61 +125,8 @@ def alpha_form(largest: int) -> bytes:
     return struct.pack("<d", 0.0) + encode_varint(_ALPHA_ALONE) + Grid(0.0, 1.0, largest, is_whole=True).encode()
 
 
-def block_rects(header: Header) -> Iterator[Rect]:
-    """The blocks of a picture, in rows."""
-    side = _native.RESIDUAL_BLOCK
-    for y in range(0, header.height, side):
-        for x in range(0, header.width, side):
-            yield x, y, min(side, header.width - x), min(side, header.height - y)
-
-
-class Repeats:
-    """How many pixels there are, and how many are others than the one to their left."""
-
-    def __init__(self) -> None:
-        self.pixels = self.others = 0
-
-    def see(self, pixels: NDArray[Any], among: NDArray[np.bool_] | None = None) -> NDArray[np.bool_]:
-        """More pixels [h, w, C], of which those `among` count, by default all; gives which are not [h, w]."""
-        others = np.ones(pixels.shape[:2], np.bool_)
-        others[:, 1:] = False
-        for channel in range(pixels.shape[2]):
-            others[:, 1:] |= pixels[:, 1:, channel] != pixels[:, :-1, channel]
-        if among is not None:
-            others &= among
-        self.pixels += others.size if among is None else int(np.count_nonzero(among))
-        self.others += int(np.count_nonzero(others))
-        return others
-
-    @property
-    def are_usual(self) -> bool:
-        """Whether more than half are, as in text, line art and screens."""
-        return 2 * self.others < self.pixels
-
-
 _PIXELS_OF_COLOUR = 500
 """Without as many, a palette takes more than it saves: 0.6 kB of a page of 384×384 pixels in 200 colours."""
-
-
-class DistinctPixels:
-    """Pixels that differ from each other, while there are no more than `most`; all that are no numbers are one."""
-
-    def __init__(self, most: int) -> None:
-        self._most = most
-        self.known: NDArray[Any] = np.zeros((0, 0))
-        """[n, C], of all that were seen if they are few."""
-
-    def see(self, pixels: NDArray[Any]) -> bool:
-        """More pixels [n, C]; whether they are few still."""
-        if len(self.known) <= self._most:
-            values = np.concatenate([self.known, pixels]) if self.known.size else pixels
-            if values.shape[1] == 1:
-                self.known = np.unique(values)[:, None]
-            else:
-                self.known = np.unique(
-                    np.nan_to_num(values, nan=np.inf) if values.dtype.kind == "f" else values, axis=0
-                )
-        return len(self.known) <= self._most
 
 
 class _Palette(DistinctPixels):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import zlib
 from collections import deque
 from collections.abc import Iterable
@@ -19,24 +18,25 @@ from sgicodec.bitstream.header import Header, encode_header
 from sgicodec.bitstream.varint import encode_varint
 from sgicodec.decoder.stream import Stream
 from sgicodec.device import Device
-from sgicodec.encoder.graphic_cells import Cells, cells_in, cells_shape, stacked_cells
 from sgicodec.encoder.input.windows import Windows
-from sgicodec.encoder.residual_form import alpha_form, block_rects, coded_bits, residual_form
+from sgicodec.encoder.residual.blocks import block_rects
+from sgicodec.encoder.residual.form import alpha_form, coded_bits, residual_form
+from sgicodec.encoder.residual.graphic_cells import Cells, cells_in, cells_shape, stacked_cells
 from sgicodec.errors import PictureError
 from sgicodec.model.tile_grid import Rect
 
-__all__ = ["Layer", "bits_of_blocks", "residual_layer"]
+__all__ = ["ResidualLayer", "bits_of_blocks", "residual_payload"]
 
 _CRC_BYTES = 4
 
 
 @dataclass(frozen=True)
-class Layer:
+class ResidualLayer:
     """What a residual layer brings a stream to: the picture of `windows` but for `max_error` levels; floats by so much.
     Alpha of 8 and 16 bits is exact. exact_views: whether it shows every view. cells [rows, columns]: where it does, if
-    not everywhere. bands: those that it shows, from 0 on, none for all. is_off: whether samples of `windows` are off by
-    so much already. is_alpha: whether it shows alpha alone, in every view. Raises PictureError where samples of the
-    source have too many bits for that.
+    not everywhere. bands: those that it shows, from 0 on, none for all. includes_error: whether samples of `windows`
+    are off by so much already. is_alpha: whether it shows alpha alone, in every view. Raises PictureError where samples
+    of the source have too many bits for that.
     """
 
     windows: Windows
@@ -44,17 +44,17 @@ class Layer:
     exact_views: bool = False
     cells: Cells | None = None
     bands: tuple[int, ...] = ()
-    is_off: bool = False
+    includes_error: bool = False
     is_alpha: bool = False
 
     @classmethod
-    def exact(cls, windows: Windows, *, exact_views: bool = False, bands: tuple[int, ...] = ()) -> Layer:
+    def exact(cls, windows: Windows, *, exact_views: bool = False, bands: tuple[int, ...] = ()) -> ResidualLayer:
         """One without loss, but for what 32 bits of samples lack."""
-        return cls(windows, windows.shape.rounding, exact_views, bands=bands, is_off=True)
+        return cls(windows, windows.shape.rounding, exact_views, bands=bands, includes_error=True)
 
     def __post_init__(self) -> None:
         off = self._rounding
-        if off >= self.max_error and off > 0 and not (self.is_alpha or self.is_off):
+        if off >= self.max_error and off > 0 and not (self.is_alpha or self.includes_error):
             raise PictureError(
                 f"its samples do not fit 32-bit floats, which are off by up to {off:g}: --lossless is not possible, "
                 f"--max-error is above that"
@@ -63,8 +63,7 @@ class Layer:
     @property
     def _rounding(self) -> float:
         """That of the source; clipped colours are refused where a layer is asked for (`check_clipped`)."""
-        rounding = self.windows.shape.rounding
-        return 0.0 if math.isinf(rounding) else rounding
+        return 0.0 if self.windows.shape.is_clipped else self.windows.shape.rounding
 
     def form(self, header: Header, rects: Iterable[Rect]) -> bytes:
         """What it states of all blocks, by these."""
@@ -78,7 +77,7 @@ class Layer:
             exact_views=self.exact_views,
             has_cells=self.cells is not None,
             bands=self.bands,
-            off=self.max_error if self.is_off else self._rounding,
+            off=self.max_error if self.includes_error else self._rounding,
         )
 
     def of(self, rect: Rect) -> Cells:
@@ -105,7 +104,7 @@ class Layer:
         return pixels if self.cells is None else stacked_cells(pixels, self.cells[cells_in(rect)])
 
 
-def residual_layer(stream: Stream, layer: Layer, device: Device) -> bytes:
+def residual_payload(stream: Stream, layer: ResidualLayer, device: Device) -> bytes:
     """The payload of a residual layer for an opened stream. A layer that the stream has is left aside.
 
     Raises PictureError for a picture that is not the stream's.
@@ -127,7 +126,7 @@ def residual_layer(stream: Stream, layer: Layer, device: Device) -> bytes:
     return b"".join([form, *table, *(block.data for block in blocks)])
 
 
-def bits_of_blocks(header: Header, layer: Layer, rects: Iterable[Rect]) -> float:
+def bits_of_blocks(header: Header, layer: ResidualLayer, rects: Iterable[Rect]) -> float:
     """What a residual layer takes of these blocks, whatever is drawn below."""
     rects = list(rects)
     form = layer.form(header, rects)

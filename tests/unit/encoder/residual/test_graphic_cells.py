@@ -8,10 +8,10 @@ from numpy.typing import NDArray
 
 from sgicodec import EncodeSettings, Picture
 from sgicodec.bitstream.header import Header
-from sgicodec.encoder.graphic_cells import CELL, CellSurvey, ColourCounts, ColourSurvey, cell_means
-from sgicodec.encoder.input.graphic_windows import with_fewer_colours, without_cells
 from sgicodec.encoder.input.windows import windows_of
 from sgicodec.encoder.plan import Shape, stream_plan
+from sgicodec.encoder.residual.graphic_cells import CELL, CellSurvey, ColourCounts, ColourSurvey, cell_means
+from sgicodec.encoder.residual.graphic_windows import with_fewer_colours, without_cells
 
 SIDE = 12 * CELL
 HALF = np.s_[:, : SIDE // 2]

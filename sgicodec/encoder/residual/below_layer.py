@@ -7,12 +7,12 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from sgicodec.bitstream.header import Header
-from sgicodec.encoder.division import Division, above_nothing, has_all_samples, some_of
-from sgicodec.encoder.input.graphic_windows import without_unseen_colours
 from sgicodec.encoder.input.windows import Windows
 from sgicodec.encoder.plan import Plan
-from sgicodec.encoder.residual import Layer
-from sgicodec.encoder.residual_form import Repeats, block_rects
+from sgicodec.encoder.residual.blocks import Repeats, judged_rects
+from sgicodec.encoder.residual.division import Division, has_all_samples, nearly_empty_tiles
+from sgicodec.encoder.residual.graphic_windows import without_unseen_colours
+from sgicodec.encoder.residual.layer import ResidualLayer
 from sgicodec.metrics.jpeg_grid import jpeg_grid, jpeg_saving
 from sgicodec.metrics.psnr import luma
 from sgicodec.model.tile_grid import Rect
@@ -35,11 +35,11 @@ def without_loss(windows: Windows, plan: Plan) -> Division:
     plan = replace(plan, settings=settings)
     if has_all_samples(plan.header):
         seen = without_unseen_colours(windows)
-        return Division(seen, above_nothing(plan), Layer.exact(seen, exact_views=True))
+        return Division(seen, nearly_empty_tiles(plan), ResidualLayer.exact(seen, exact_views=True))
     if settings.quality is None:
         usual = replace(settings, quality=_QUALITY_BELOW).fit_settings().lmbda
         plan = plan.at(usual * _span(windows, plan.header) ** 2)
-    return Division(windows, plan, Layer.exact(windows))
+    return Division(windows, plan, ResidualLayer.exact(windows))
 
 
 def _span(windows: Windows, header: Header) -> float:
@@ -49,7 +49,7 @@ def _span(windows: Windows, header: Header) -> float:
     if header.sample_type != "uint8":
         return 1.0
     low, high = 255, 0
-    for rect in some_of(list(block_rects(header))):
+    for rect in judged_rects(header):
         window = windows.read(*rect)
         samples = window.pixels[..., : window.alpha][~nodata_samples(window)]
         low, high = int(samples.min(initial=low)), int(samples.max(initial=high))
@@ -62,7 +62,7 @@ def with_layer(windows: Windows, plan: Plan) -> Division:
     """
     header, max_error, repeats = plan.header, plan.settings.max_error or 0.0, Repeats()
     is_free = plan.settings.is_quality_asked and plan.settings.quality is None
-    rects: Sequence[Rect] = some_of(list(block_rects(header))) if is_free else ()
+    rects: Sequence[Rect] = judged_rects(header) if is_free else ()
     savings: list[float] = []  # of blocks of a JPEG file
     for rect in rects:
         pixels = windows.read(*rect).pixels
@@ -71,10 +71,10 @@ def with_layer(windows: Windows, plan: Plan) -> Division:
         if header.sample_type == "uint8" and (grid := jpeg_grid(plane)) is not None:
             savings.append(jpeg_saving(plane, grid))
     if header.spec.texture and len(savings) >= _JPEG_SHARE * len(rects) and sum(savings) > 0:
-        return Division(windows, _nearly_exact(plan, max_error), Layer(windows, max_error))
+        return Division(windows, _nearly_exact(plan, max_error), ResidualLayer(windows, max_error))
     if has_all_samples(header) and repeats.are_usual:
-        return Division(windows, above_nothing(plan), Layer(windows, max_error, exact_views=True))
-    return Division(windows, plan, Layer(windows, max_error))
+        return Division(windows, nearly_empty_tiles(plan), ResidualLayer(windows, max_error, exact_views=True))
+    return Division(windows, plan, ResidualLayer(windows, max_error))
 
 
 def _nearly_exact(plan: Plan, max_error: float) -> Plan:

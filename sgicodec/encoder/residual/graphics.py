@@ -9,14 +9,21 @@ from dataclasses import replace
 
 import numpy as np
 
-from sgicodec.encoder.below_layer import without_loss
-from sgicodec.encoder.division import Division, ExactDivision, above_nothing, has_all_samples, some_of
-from sgicodec.encoder.graphic_cells import CellSurvey, ColourSurvey, cell_means, cells_in, level_of, repeating_cells
-from sgicodec.encoder.input.graphic_windows import with_fewer_colours, without_cells, without_unseen_colours
 from sgicodec.encoder.input.windows import Windows
 from sgicodec.encoder.plan import Plan
-from sgicodec.encoder.residual import Layer, bits_of_blocks
-from sgicodec.encoder.residual_form import Repeats, block_rects
+from sgicodec.encoder.residual.below_layer import without_loss
+from sgicodec.encoder.residual.blocks import Repeats, block_rects, some_of
+from sgicodec.encoder.residual.division import Division, ExactDivision, has_all_samples, nearly_empty_tiles
+from sgicodec.encoder.residual.graphic_cells import (
+    CellSurvey,
+    ColourSurvey,
+    cell_means,
+    cells_in,
+    level_of,
+    repeating_cells,
+)
+from sgicodec.encoder.residual.graphic_windows import with_fewer_colours, without_cells, without_unseen_colours
+from sgicodec.encoder.residual.layer import ResidualLayer, bits_of_blocks
 from sgicodec.metadata.layouts import alpha_index
 from sgicodec.model.tile_grid import Rect
 from sgicodec.picture import nodata_samples
@@ -54,7 +61,7 @@ def with_graphics(windows: Windows, plan: Plan) -> Division:
             division = _divided(seen, plan, rects)
         has_alpha = division.layer is None and alpha_index(header.channels) is not None
         if has_alpha and _is_alpha_cheap(windows, plan, sample):
-            division = Division(windows, replace(plan, exact_alpha=True), Layer(windows, 0, is_alpha=True))
+            division = Division(windows, replace(plan, exact_alpha=True), ResidualLayer(windows, 0, is_alpha=True))
     return replace(division, exact=exact_instead(windows, plan))
 
 
@@ -89,7 +96,7 @@ def _is_alpha_cheap(windows: Windows, plan: Plan, sample: Sequence[Rect]) -> boo
         across, down = (np.abs(np.diff(alpha, axis=axis)) >= _SHARP_ALPHA * opaque for axis in (1, 0))
         sharp += int(np.count_nonzero(across[:-1] | down[:, :-1]))
         is_soft = is_soft or bool(((alpha > 0) & (alpha < opaque)).any())
-    layer = Layer(windows, 0, is_alpha=True)
+    layer = ResidualLayer(windows, 0, is_alpha=True)
     return is_soft and sharp > 0 and bits_of_blocks(plan.header, layer, sample) <= _edge_bits(plan) * sharp
 
 
@@ -111,7 +118,7 @@ def _divided(windows: Windows, plan: Plan, rects: Sequence[Rect]) -> Division:
         colours.see(pixels, cells[cells_in(rect)])
         means[cells_in(rect)] = cell_means(pixels)
     shown, max_error = with_fewer_colours(windows, cells, colours.counts, max_error)
-    layer = Layer(shown, max_error, exact_views=True, cells=cells, is_off=True)
+    layer = ResidualLayer(shown, max_error, exact_views=True, cells=cells, includes_error=True)
     judged = some_of([rect for rect in rects if cells[cells_in(rect)].any()])
     among = np.zeros_like(cells)
     for rect in judged:
@@ -120,7 +127,7 @@ def _divided(windows: Windows, plan: Plan, rects: Sequence[Rect]) -> Division:
         return Division(windows, plan)
     if cells.all():
         plan = replace(plan, settings=replace(plan.settings, max_error=max_error))
-        return Division(windows, above_nothing(plan), replace(layer, cells=None))
+        return Division(windows, nearly_empty_tiles(plan), replace(layer, cells=None))
     return Division(without_cells(windows, cells, means), plan, layer)
 
 

@@ -1,0 +1,1 @@
+"""What a residual layer shows of a picture and what tiles do, and the bytes of the layer."""
