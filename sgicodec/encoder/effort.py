@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from sgicodec.profiles.default import lmbda_of_quality
+from sgicodec.profiles.default import DEFAULT_LMBDA
 from sgicodec.rdoq import RdoqSettings
 from sgicodec.rdoq.texture import NO_SPLIT_SEARCH, SPLIT_SEARCH_MARGIN
 
@@ -36,7 +36,7 @@ VISUAL_STEPS = {1: 60, 2: 130, 3: 200, 4: 300, 5: 450, 6: 900, 7: 1600, 8: 3200,
 DEFAULT_EFFORT = 4
 _LOW_EFFORT_STEPS = 300
 """Beneath texture, from so many on, all that RDOQ and the search of texture have is worth its time."""
-_USUAL_LMBDA, _SEED_POWER, _MIN_SEED_FACTOR = lmbda_of_quality(50), 0.6, 0.7
+_SEED_POWER, _MIN_SEED_FACTOR = 0.6, 0.7
 """What `Effort.seed_lmbda` follows: for the eye it takes 0.4 % of bytes off at quality 30, 2 at 75 and 4.4 at 88,
 towards squared error 0.6 at 30, 2.3 at 66 and 7 at 80 (docs/notes/2026-11-texture-share.md)."""
 _RDOQ_STEPS = 100
@@ -51,8 +51,8 @@ class Effort:
     steps: int
     """Optimisation steps of the fit, all phases together."""
     seed_price: float
-    """λ of the seeds in the fit, in the λ of the encode, at quality 50: what they leave costs less as texture than as
-    more seeds, the shorter the fit, the more of it (docs/notes/2026-11-texture-share.md)."""
+    """λ of the seeds in the fit, in the λ of the encode, at the default quality: what they leave costs less as texture
+    than as more seeds, the shorter the fit, the more of it (docs/notes/2026-11-texture-share.md)."""
     rdoq: RdoqSettings
     """How RDOQ follows the fit: its passes, and how far each looks. From the fifth on they gain next to nothing."""
     split_margin: float
@@ -65,7 +65,7 @@ class Effort:
         """λ of the seeds in the fit beneath texture, for the λ of an encode: the finer the steps of texture, the less
         of what it shows is worth a seed.
         """
-        return lmbda * self.seed_price * max(float((_USUAL_LMBDA / lmbda) ** _SEED_POWER), _MIN_SEED_FACTOR)
+        return lmbda * self.seed_price * max(float((DEFAULT_LMBDA / lmbda) ** _SEED_POWER), _MIN_SEED_FACTOR)
 
 
 def steps_of(effort: int, tuned_for: Tune, has_texture: bool) -> int:

@@ -20,7 +20,8 @@ from sgicodec.encoder.residual.choice import fixed_division, way_to_divide
 from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.encoder.streams import Finished, Request, Streams
 from sgicodec.encoder.tiles.checkpoint import fingerprint
-from sgicodec.encoder.tiles.runner import one_blas_thread, within_memory
+from sgicodec.encoder.tiles.memory import within_memory
+from sgicodec.encoder.tiles.runner import one_blas_thread
 from sgicodec.encoder.tiles.store import Store
 from sgicodec.errors import TargetMissedError, UsageError
 from sgicodec.executors.executor import Executor
@@ -90,7 +91,7 @@ def encode_picture(
     if not isinstance(settings, EncodeSettings | None):
         raise UsageError(f"settings {settings!r}; they must be EncodeSettings")
     plan = stream_plan(windows.shape, settings or EncodeSettings())
-    within_memory(windows, plan, executor)
+    within_memory(windows, plan, executor)  # before memory is taken
     if not plan.header.tile:
         windows = kept(windows)
     if windows.shape.remark is not None:

@@ -58,8 +58,8 @@ class NullListener(TileListener):
     """A listener that ignores all reports. Others override what they want to know.
 
     Of a picture in one tile, `stage` tells load, prepare, fit, search (of RDOQ), texture, residual and verify, of
-    several tiles load, residual and verify alone. `step` and `ending` are asked of a picture in one tile; if they end it, the stream is made of the
-    seeds as they are.
+    several tiles load, residual and verify alone. `step` and `ending` are asked of a picture in one tile; if they end
+    it, the stream is made of the seeds as they are.
     """
 
     def planned(self, plan: Plan, workers: int, memory: Memory) -> None:

@@ -13,6 +13,7 @@ from sgicodec.encoder.effort import DEFAULT_EFFORT, Effort, Tune, effort_of, ste
 from sgicodec.errors import UsageError
 from sgicodec.model.tile_grid import TileGrid
 from sgicodec.profiles import PROFILES, Profile
+from sgicodec.profiles.default import DEFAULT_QUALITY
 from sgicodec.profiles.fit_settings import FitSettings
 from sgicodec.rate_control.target import TARGETS, RateTarget
 
@@ -154,7 +155,7 @@ class EncodeSettings:
     @property
     def chosen_quality(self) -> float:
         """The quality, whether it is asked for or not."""
-        return 50.0 if self.quality is None else self.quality
+        return DEFAULT_QUALITY if self.quality is None else self.quality
 
     @property
     def is_quality_asked(self) -> bool:

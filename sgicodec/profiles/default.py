@@ -10,7 +10,7 @@ from sgicodec.profiles.fit_settings import FitSettings, Phase
 from sgicodec.profiles.profile import Choices, Profile
 from sgicodec.rate_control.quality_search import QUALITY_PER_OCTAVE
 
-__all__ = ["DEFAULT", "default_settings", "default_spec", "lmbda_of_quality"]
+__all__ = ["DEFAULT", "DEFAULT_LMBDA", "DEFAULT_QUALITY", "default_settings", "default_spec", "lmbda_of_quality"]
 
 _COARSE_SPLIT = 8.0
 """`FitSettings.split` of a coarse fit, whose first layout would have five times the seeds that stay
@@ -80,6 +80,10 @@ def coarse_phases(steps: int) -> tuple[Phase, ...]:
 def lmbda_of_quality(quality: float) -> float:
     """λ of the default profile for a quality of 1 to 100."""
     return float(0.5 * 2.0 ** (-(quality - 1) / QUALITY_PER_OCTAVE))
+
+
+DEFAULT_QUALITY = 50.0
+DEFAULT_LMBDA = lmbda_of_quality(DEFAULT_QUALITY)
 
 
 def _spec(choices: Choices, channels: int) -> ModelSpec:

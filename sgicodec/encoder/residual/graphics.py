@@ -27,6 +27,7 @@ from sgicodec.encoder.residual.layer import ResidualLayer, bits_of_blocks
 from sgicodec.metadata.layouts import alpha_index
 from sgicodec.model.tile_grid import Rect
 from sgicodec.picture import nodata_samples
+from sgicodec.profiles.default import DEFAULT_QUALITY
 
 __all__ = ["exact_instead", "with_graphics"]
 
@@ -107,7 +108,7 @@ def _divided(windows: Windows, plan: Plan, rects: Sequence[Rect]) -> Division:
     cells = survey.graphic()
     if cells.mean() < _LEAST_SHARE:
         return Division(windows, plan)
-    above = plan.settings.chosen_quality - 50
+    above = plan.settings.chosen_quality - DEFAULT_QUALITY
     off = _ERROR * 2 ** (-above / _ERROR_HALVING) - 1
     max_error = int(min(_MAX_ERROR, max(0.0, off)) * level_of(header))
     if alpha_index(header.channels) is not None:
@@ -133,7 +134,7 @@ def _divided(windows: Windows, plan: Plan, rects: Sequence[Rect]) -> Division:
 
 def _edge_bits(plan: Plan) -> float:
     """Bits that a layer may take for a pixel of an edge."""
-    return float(_EDGE_BITS * 2 ** ((plan.settings.chosen_quality - 50) / _EDGE_DOUBLING))
+    return float(_EDGE_BITS * 2 ** ((plan.settings.chosen_quality - DEFAULT_QUALITY) / _EDGE_DOUBLING))
 
 
 def _has_some(windows: Windows, sample: Sequence[Rect]) -> bool:

@@ -1,11 +1,8 @@
-"""The tiles of a picture on an executor: as many workers as there is memory for (docs/large.md, "Memory"), each of
-which is sent the pixels, or reads them itself.
-"""
+"""The tiles of a picture on an executor, whose workers are sent the pixels, or read them themselves."""
 
 from __future__ import annotations
 
 import atexit
-import math
 import os
 import threading
 from collections.abc import Iterator, Sequence
@@ -14,7 +11,6 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Generic, TypeVar
 
-import numpy as np
 from threadpoolctl import threadpool_limits
 
 from sgicodec.cuda.choice import NamedDevice
@@ -23,14 +19,13 @@ from sgicodec.encoder.input.windows import Windows, tile_window
 from sgicodec.encoder.plan import Plan
 from sgicodec.encoder.tiles.tasks import Task
 from sgicodec.errors import PictureError
-from sgicodec.executors.executor import MIB, Executor, Memory
+from sgicodec.executors.executor import Executor
 from sgicodec.image.opened import Alpha
 from sgicodec.image.source import Source, open_source
 from sgicodec.image.used_range import SampleUse
 from sgicodec.picture import Picture
-from sgicodec.profiles.default import lmbda_of_quality
 
-__all__ = ["PictureAt", "TileRunner", "TileTask", "one_blas_thread", "within_memory"]
+__all__ = ["PictureAt", "TileRunner", "TileTask", "one_blas_thread"]
 
 Result = TypeVar("Result")
 
@@ -106,51 +101,6 @@ def _opened(place: str, use: SampleUse, alpha: Alpha, page: int | None) -> Sourc
 
 
 atexit.register(_opened.cache_clear)
-
-MAIN = 150 * MIB
-"""The process that reads and writes: Python, numpy, OpenImageIO. One that fits too has room for them in WORKER."""
-WORKER = 110 * MIB
-"""A process that fits: Python, numpy, and what a fit takes of any size."""
-PIXEL_BYTES, CHANNEL_BYTES = 52, 16
-"""Of images in a fit for each pixel, and for each of its channels."""
-SEED_BYTES = 1400
-"""Of a fit for each seed that it starts with."""
-UNIFORM_SAMPLE_BYTES, UNIFORM_ATTRIBUTE_BYTES = 6, 100
-"""In a uniform layout: for each sample, and for each attribute of each seed, 7.4 kB for the 74 of K = 10, D = 50.
-Measured with 1,000 and 40,000 seeds in 0.4 megapixels 110 and 381 MiB, with 350,000 in 52.3 megapixels 3,318."""
-SCORED_PIXEL_BYTES, SCORED_CHANNEL_BYTES = 140, 50
-"""For each pixel, and for each of its channels, while a score says what texture should show."""
-MAX_SEEDS, USUAL_SEEDS, USUAL_LMBDA = 0.25, 0.1, lmbda_of_quality(50)
-"""Seeds for each pixel: cells have four pixels at least; dense texture starts with a tenth at quality 50."""
-
-
-def within_memory(windows: Windows, plan: Plan, executor: Executor | None) -> tuple[Executor, Memory]:
-    """The executor, by default this process, with no more workers than there is memory for, and what that takes at its
-    peak. Raises UsageError where one is too many.
-    """
-    grid = plan.header.grid
-    memory = _estimate(plan, windows.memory(*grid.rect(0)[2:]))
-    return (executor or Executor()).within(memory, grid.count), memory
-
-
-def _estimate(plan: Plan, reading: int) -> Memory:
-    """For dense detail; `reading` is what the source holds while its windows are read."""
-    header, fit = plan.header, plan.settings.fit_settings()
-    _, _, width, height = header.grid.rect(0)
-    pixels, channels = (width + 2 * header.apron) * (height + 2 * header.apron), header.spec.channels
-    window = pixels * channels * np.dtype(header.sample_type).itemsize
-    if header.spec.layout == "uniform":
-        attributes = (fit.seeds or pixels / 400) * header.spec.attributes
-        fitting = pixels * channels * UNIFORM_SAMPLE_BYTES + attributes * UNIFORM_ATTRIBUTE_BYTES
-        return Memory(MAIN + reading + 2 * window, WORKER + window + round(fitting), MAIN)
-    share = MAX_SEEDS  # where the quality follows from a target
-    if plan.settings.target is None:
-        share = min(MAX_SEEDS, USUAL_SEEDS * math.sqrt(USUAL_LMBDA / max(fit.lmbda, 1e-9)))
-    fitting = pixels * (PIXEL_BYTES + CHANNEL_BYTES * channels + SEED_BYTES * share)
-    if header.spec.texture and plan.settings.chosen_effort.ascent_passes:
-        fitting = max(fitting, pixels * (SCORED_PIXEL_BYTES + SCORED_CHANNEL_BYTES * channels))
-    return Memory(MAIN + reading + 2 * window, WORKER + window + round(fitting), MAIN)
-
 
 _VARIABLE = "OPENBLAS_NUM_THREADS"
 """By which somebody chose already; the command line does, before numpy loads."""
