@@ -145,30 +145,28 @@ class Streams:
     def of(self, plan: Plan, name: str = "tiles") -> Finished:
         """The stream of a plan, whatever its target. Raises TileFailedError; the store then has what was finished."""
         division = self._request.divided(self._request.windows, plan)
-        finished = self._divided(division, name)
+        finished = self._of_division(division, name)
         exact, size = division.exact, finished.length(self._store)
         if exact is None or not exact.may_be_taken(size):
             return finished
-        without_loss = self._divided(exact.division, name)
+        without_loss = self._of_division(exact.division, name)
         return without_loss if without_loss.length(self._store) <= exact.worth * size else finished
 
-    def _divided(self, division: Division, name: str) -> Finished:
+    def _of_division(self, division: Division, name: str) -> Finished:
         """The stream of a picture that is divided: what its tiles lack of this pass is done. A pass follows from the
-        results of earlier ones alone, so that workers, order and interruptions do not matter.
+        results of earlier ones alone, so that workers, order and interruptions do not matter: one that goes on after
+        an interruption has the same passes under the same numbers.
         """
-        request, index = self._request, self._passes
+        request, pass_number = self._request, self._passes
         self._passes += 1
         below, plan, layer = division.windows, division.plan, division.layer
         if request.target is None:  # which looks as it will: λ alone moves sizes by as little as is wanted
             plan = with_quality_calibration(below, plan)
-        runner, grid, tiles = (
-            TileRunner(below, plan, self._executor, request.device),
-            plan.header.grid,
-            self._store.tiles,
-        )
-        overview = self._overview(plan, index, runner) if takes_overview(plan) else None
+        runner = TileRunner(below, plan, self._executor, request.device)
+        grid, tiles = plan.header.grid, self._store.tiles
+        overview = self._overview(plan, pass_number, runner) if takes_overview(plan) else None
         task = FitTask(plan) if plan.header.tile else FitTask(plan, request.listener)
-        chosen = [Version(number, index) for number in range(grid.count)]
+        chosen = [Version(number, pass_number) for number in range(grid.count)]
         state = PassState(grid.count, plan.header.width * plan.header.height, name)
         for of in chosen:
             if of in tiles:
@@ -176,7 +174,7 @@ class Streams:
         request.tell(state)
         missing = [of.tile for of in chosen if of not in tiles]
         for number, tile in runner(task, missing) if missing else ():
-            self._store.add(Version(number, index), tile)
+            self._store.add(Version(number, pass_number), tile)
             state.add(tile, grid.core(number), fresh=True)
             request.tell(state)
         header = tiles[chosen[-1]].header
@@ -210,13 +208,13 @@ class Streams:
             file.seek(0)
             return self._request.psnr(file) if target.quantity == "psnr" else self._request.score(file)
 
-    def _overview(self, plan: Plan, index: int, runner: TileRunner) -> bytes:
+    def _overview(self, plan: Plan, pass_number: int, runner: TileRunner) -> bytes:
         def made() -> bytes:
             self._request.tell(PassState(0, 0, "overview"))
             task = partial(self._make_overview, overview_settings(plan, plan.settings.fit_settings().lmbda))
             return dict(runner(task, [0], window=overview_picture(plan, self._request.windows.read)))[0]
 
-        return self._store.cached(f"overview {index}", made)
+        return self._store.cached(f"overview {pass_number}", made)
 
     def _residual(self, finished: Finished, layer: ResidualLayer) -> bytes:
         """The payload of the residual layer."""

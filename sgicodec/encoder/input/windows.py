@@ -110,18 +110,18 @@ def _digest_of_file(source: Source) -> bytes:
 
 
 def without_needless_alpha(windows: Windows, plan: Plan, listener: NullListener) -> tuple[Windows, Plan]:
-    """A picture and its plan without an alpha that says nothing. The listener gets to know."""
-    alpha = None if alpha_index(plan.header.channels) is None else _everywhere(windows, plan.header.grid)
+    """A picture and its plan without an alpha that says nothing. The listener gets to know, also of what an alpha that
+    stays may mean.
+    """
+    if alpha_index(plan.header.channels) is None:
+        return windows, plan
+    alpha = _everywhere(windows, plan.header.grid)
     if alpha == "opaque":
         listener.remark("alpha is opaque everywhere; it is left out")
     elif alpha == "hiding" and plan.header.masked == "transparent":
         listener.note("alpha is 0 everywhere; it is left out, and the colours are kept")
     else:
-        has_alpha, masked = alpha_index(plan.header.channels) is not None, plan.header.masked
-        if has_alpha and geo.has_place(windows.shape.metadata.geo):
-            listener.note(_BAND_AS_ALPHA + (_NOT_KEPT if masked == "transparent" else ""))
-        if has_alpha and masked == "nodata" and plan.settings.max_error is None:
-            listener.note(_ALPHA_AND_NODATA)
+        _note_alpha(windows, plan, listener)
         return windows, plan
     channels = WITHOUT_ALPHA[windows.shape.channels]
     windows = windows.seen(
@@ -130,6 +130,14 @@ def without_needless_alpha(windows: Windows, plan: Plan, listener: NullListener)
         bands=windows.shape.bands - 1,
     )
     return windows, stream_plan(windows.shape, plan.settings)
+
+
+def _note_alpha(windows: Windows, plan: Plan, listener: NullListener) -> None:
+    masked = plan.header.masked
+    if geo.has_place(windows.shape.metadata.geo):
+        listener.note(_BAND_AS_ALPHA + (_NOT_KEPT if masked == "transparent" else ""))
+    if masked == "nodata" and plan.settings.max_error is None:
+        listener.note(_ALPHA_AND_NODATA)
 
 
 _BAND_AS_ALPHA = (

@@ -129,10 +129,10 @@ class Checkpoint(Store):
     def _rows(self) -> Iterator[tuple[Version, EncodedTile]]:
         """The finished tiles, but for those that the disk changed."""
         query = "SELECT tile, pass, facts, payload, crc FROM tiles ORDER BY rowid"
-        for tile, number, facts, payload, crc in self._database.execute(query):
-            if _crc(tile, number, facts, payload) == crc:
+        for tile, pass_number, facts, payload, crc in self._database.execute(query):
+            if _crc(tile, pass_number, facts, payload) == crc:
                 known: dict[str, Any] = json.loads(facts)
-                yield Version(tile, number), EncodedTile(b"", **known)
+                yield Version(tile, pass_number), EncodedTile(b"", **known)
 
     def _remove(self) -> None:
         """With what SQLite left beside it when it was killed."""

@@ -18,7 +18,7 @@ class Version(NamedTuple):
     """A coding of a tile: its number, and the pass that made it."""
 
     tile: int
-    round: int = 0
+    pass_number: int = 0
 
 
 class Store:
