@@ -17,10 +17,11 @@ from sgicodec.profiles.default import DEFAULT_QUALITY
 from sgicodec.profiles.fit_settings import FitSettings
 from sgicodec.rate_control.target import TARGETS, RateTarget
 
-__all__ = ["APRON", "MAX_PIXELS_OF_ONE", "TILE", "EncodeSettings", "refuse_several_goals"]
+__all__ = ["APRON", "TILE", "EncodeSettings", "refuse_several_goals"]
 
-TILE, MAX_PIXELS_OF_ONE = 1024, 1 << 22
-"""Pixels of a tile's side, where nothing else is asked for, and those of the largest picture that is then one tile."""
+TILE, MAX_PIXELS_OF_ONE, MAX_SIDE_OF_ONE = 1024, 1 << 22, 1 << 14
+"""Pixels of a tile's side, where nothing else is asked for, and those of the largest picture that is then one tile, and
+of its longer side: the base layer is fitted by a solve that takes the cube of it."""
 
 APRON = 4
 """Pixels that a tile reaches over its neighbours, where nothing else is asked for: 8 take 0.5 to 1 % more bytes of
@@ -147,7 +148,8 @@ class EncodeSettings:
         """The tiles of a picture."""
         tile = self.tile
         if tile is None:
-            tile = TILE if width * height > MAX_PIXELS_OF_ONE else 0
+            large = width * height > MAX_PIXELS_OF_ONE or max(width, height) > MAX_SIDE_OF_ONE
+            tile = TILE if large else 0
         if not tile or max(width, height) <= tile:
             return TileGrid(width, height, 0, 0)
         return TileGrid(width, height, tile, min(APRON, tile // 4) if self.apron is None else self.apron)

@@ -36,6 +36,12 @@ def near_borders(stream_width: int, stream_height: int, edges: tuple[list[int], 
     return mask
 
 
+@pytest.mark.parametrize(("side", "other", "count"), [(2048, 2048, 1), (2049, 2048, 6), (16384, 9, 1), (16385, 9, 17)])
+def test_a_picture_that_is_large_or_long_has_tiles(side: int, other: int, count: int) -> None:
+    """One tile of 100,000×16 pixels took more than five minutes."""
+    assert EncodeSettings().grid(side, other).count == EncodeSettings().grid(other, side).count == count
+
+
 def test_no_seam(coded: tuple[Picture, Encoded]) -> None:
     """At most 10 % more error near a border than elsewhere, as it would be without borders there."""
     picture, tiled = coded
