@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import stat
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator
@@ -75,7 +76,7 @@ def _files(path: str, recursive: bool, wanted: Callable[[Path], bool], unread: l
         for name in sorted(names):
             file = os.path.join(folder, name)
             try:
-                if not name.startswith(".") and Path(file).is_file() and wanted(Path(file)):
+                if not name.startswith(".") and stat.S_ISREG(os.stat(file).st_mode) and wanted(Path(file)):
                     yield file, os.path.relpath(file, path)
             except OSError as error:
                 unread.append(Item(file, file, failure=error.strerror or str(error)))

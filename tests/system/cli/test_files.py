@@ -74,6 +74,8 @@ def test_equal_names_are_one_line_and_stop_nothing(picture: Path, tmp_path: Path
 
 def test_what_cannot_be_looked_into_fails_alone(tree: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     denied = {tree / "a.png", tree / "2025" / "may"}
+    broken = tree / "2025" / "link.png"
+    broken.symlink_to("gone.png")
     opened, listed = Path.open, os.scandir
 
     def refuse(path: object) -> None:
@@ -84,7 +86,8 @@ def test_what_cannot_be_looked_into_fails_alone(tree: Path, tmp_path: Path, monk
     monkeypatch.setattr(os, "scandir", lambda path=".": refuse(path) or listed(path))
     result = sgi("encode", "-r", tree, "--output-dir", tmp_path / "streams", "--steps", 1, "--quiet")
     failures = [f"sgi: {path}: Permission denied" for path in sorted(denied, reverse=True)]
-    assert result.stderr.splitlines() == [*failures, "sgi: 2 of 3 files failed"]
+    failures.insert(1, f"sgi: {broken}: No such file or directory")
+    assert result.stderr.splitlines() == [*failures, "sgi: 3 of 4 files failed"]
     assert (result.exit_code, files(tmp_path / "streams")) == (1, ["2025/a.sgi"])
 
 
