@@ -72,7 +72,7 @@ def _files(path: str, recursive: bool, wanted: Callable[[Path], bool], unread: l
     if not recursive:
         raise UsageError(f"{display(path)} is a folder; add -r to take the files in it")
     for folder, folders, names in os.walk(path, onerror=fail):
-        folders.sort()
+        folders[:] = sorted(name for name in folders if not name.startswith("."))
         for name in sorted(names):
             file = os.path.join(folder, name)
             try:

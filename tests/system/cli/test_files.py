@@ -20,7 +20,8 @@ def tree(picture: Path, tmp_path: Path) -> Path:
     """Pictures in a folder and its subfolders, among other files."""
     folder = tmp_path / "photos"
     (folder / "2025" / "may").mkdir(parents=True)
-    for name in ("a.png", "2025/a.png", "2025/may/b.png", "2025/.hidden.png"):
+    (folder / ".thumbnails").mkdir()
+    for name in ("a.png", "2025/a.png", "2025/may/b.png", "2025/.hidden.png", ".thumbnails/a.png"):
         shutil.copy(picture, folder / name)
     write(read(picture), folder / "2025" / "may" / "b.tif")
     (folder / "notes.txt").write_text("no picture")
