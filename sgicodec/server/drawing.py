@@ -16,10 +16,13 @@ if TYPE_CHECKING:
 
     from sgicodec.decoder.stream import Region, Stream
 
-__all__ = ["FORMATS", "QUALITIES", "Drawing", "drawn"]
+__all__ = ["FORMATS", "MAX_SIDES", "QUALITIES", "Drawing", "drawn"]
 
 FORMATS = {"jpg": "image/jpeg", "png": "image/png", "webp": "image/webp", "tif": "image/tiff"}
 """Extensions, and media types."""
+
+MAX_SIDES = {"jpg": 65500, "webp": 16383}
+"""Pixels of a side that a format holds, where that is a limit."""
 
 QUALITIES = ("default", "color", "gray", "bitonal")
 

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from sgicodec.server.drawing import FORMATS, QUALITIES, Drawing
+from sgicodec.server.drawing import FORMATS, MAX_SIDES, QUALITIES, Drawing
 from sgicodec.server.refusal import Refusal
 
 __all__ = ["CONTEXT", "LEVEL", "TILE", "Image", "canonical", "info", "manifest", "read_drawing"]
@@ -47,7 +47,10 @@ def read_drawing(image: Image, region: str, size: str, rotation: str, quality: s
         raise Refusal(400, f"the quality {quality!r} is not one of {_list(QUALITIES)}")
     degrees, mirror = _rotation(rotation)
     cut = _region(image, region)
-    return Drawing(cut, _size(image, cut, size), format_, degrees, mirror, quality)
+    width, height = _size(image, cut, size)
+    if max(width, height) > MAX_SIDES.get(format_, math.inf):
+        raise Refusal(400, f"{format_} has sides of at most {MAX_SIDES[format_]} pixels, not {width}×{height}")
+    return Drawing(cut, (width, height), format_, degrees, mirror, quality)
 
 
 def canonical(image: Image, drawing: Drawing) -> str:

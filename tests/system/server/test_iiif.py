@@ -135,6 +135,7 @@ def test_profiles_are_those_of_the_samples(channels: str, space: bytes) -> None:
             ("full/٩,/0/default.jpg", 400),
             (f"full/^{'9' * 99},/0/default.jpg", 400),
         ),
+        *(("full/^65501,1/0/default.jpg", 400), ("full/^16384,1/0/default.webp", 400)),
         *(("full/max/0/default", 404), ("full/max/0", 404), ("full/99999999999999999999,/0/default.jpg", 400)),
     ],
 )
