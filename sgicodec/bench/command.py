@@ -31,7 +31,6 @@ if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
 
-    from sgicodec.bench.cache import PeerCache
     from sgicodec.bench.codec import Codec
     from sgicodec.bench.sgi import SgiCodec
     from sgicodec.picture import Picture
@@ -74,7 +73,6 @@ def _writing() -> Iterator[None]:
 @click.option("--sgi", "variants", multiple=True, metavar="NAME=OPTIONS", help="A curve with options of sgi encode.")
 @click.option("--threads", default=1, show_default=True, type=click.IntRange(1), help="Threads of each codec.")
 @click.option("--out", default="bench-out", show_default=True, type=_FILE, help="Folder for the results.")
-@click.option("--cache", "cache_folder", type=_FILE, help="Folder that keeps what peers code for other runs.")
 @click.option("--sheets", type=_FILE, metavar="FOLDER", help="Draw details by all codecs at equal bytes as PNG files.")
 @click.option("--sheet-rates", default="0.25,0.5,0.8", show_default=True, help="Bits per pixel of these sheets.")
 @click.option("--sheet-place", "sheet_places", multiple=True, metavar="X,Y", help="Show this place, repeatable.")
@@ -93,7 +91,6 @@ def bench(
     variants: tuple[str, ...],
     threads: int,
     out: Path,
-    cache_folder: Path | None,
     sheets: Path | None,
     sheet_rates: str,
     sheet_places: tuple[str, ...],
@@ -124,8 +121,6 @@ def bench(
         return
     for library in ("scipy", "matplotlib") if plots and curves else ("scipy",):
         require(library, "sgi bench", "bench")
-    from sgicodec.bench.cache import PeerCache
-
     wanted = _wanted(codecs, _CODECS)
     rates = [] if sheets is None else numbers(sheet_rates, "--sheet-rates")
     shown = [place(text, "--sheet-place") for text in sheet_places]
@@ -133,14 +128,13 @@ def bench(
     if "sgi" in wanted:
         chosen = [*_sgi_curves(qualities, efforts, variants, threads), *chosen]
     pictures = _pictures(places)
-    cache = None if cache_folder is None else PeerCache(cache_folder)
     if sheets is not None:
         from sgicodec.bench.sheets import write_sheets
 
-        write_sheets(pictures, chosen, rates, sheets, places=shown, cache=cache, report=_report)
+        write_sheets(pictures, chosen, rates, sheets, places=shown, report=_report)
     if curves:
         published = [name for name in wanted if name in _PUBLISHED]
-        _measure_curves(pictures, chosen, published, cache, out, at_score, plots, as_json)
+        _measure_curves(pictures, chosen, published, out, at_score, plots, as_json)
 
 
 def _pictures(places: Sequence[str]) -> list[Path]:
@@ -161,7 +155,6 @@ def _measure_curves(
     pictures: list[Path],
     codecs: list[Codec],
     published: list[str],
-    cache: PeerCache | None,
     out: Path,
     at_score: float | None,
     plots: bool,
@@ -175,7 +168,7 @@ def _measure_curves(
     from sgicodec.bench.tables import print_bytes_at, print_summary
 
     drawn = [PUBLISHED[name] for name in published]
-    summary = run_bench(pictures, codecs, out, published=drawn, cache=cache, report=_report)
+    summary = run_bench(pictures, codecs, out, published=drawn, report=_report)
     text = json.dumps({"schema": _SCHEMA} | summary.to_json(at_score), indent=2)
     (out / "summary.json").write_text(text + "\n", "utf-8")
     if plots:

@@ -12,9 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from sgicodec.bench.cache import PeerCache
 from sgicodec.bench.codec import Codec, Pixels8
-from sgicodec.bench.peer import Peer
 from sgicodec.bench.published import PublishedCurves
 from sgicodec.bench.rows import Key, Results, Row
 from sgicodec.bench.summary import Summary, summarise
@@ -99,13 +97,11 @@ def run_bench(
     out_dir: Path,
     *,
     published: Sequence[PublishedCurves] = (),
-    cache: PeerCache | None = None,
     report: Callable[[str], None] = lambda line: None,
 ) -> Summary:
     """Measure what `out_dir/results.tsv` does not hold yet; return what follows from this run's points.
 
-    Points of peers that `cache` holds are taken from there, and the others kept in it. `published` curves are added
-    to the summary where they have the picture.
+    `published` curves are added to the summary where they have the picture.
     A point that a codec fails on is reported and listed in the summary; the run goes on. `report` gets one
     line for each picture and each failure. Raises UsageError for an unusable results file or a missing
     codec, and PictureError for an unreadable picture.
@@ -121,8 +117,6 @@ def run_bench(
         sample = load_sample(path)
         start, measured = time.perf_counter(), 0
         points = list(_points(sample, codecs, versions))
-        if cache is not None:
-            _recall(points, results, cache)
         missing = [point for point in points if not _is_complete(results.rows.get(point[0]))]
         for key, codec, quality in missing:
             try:
@@ -133,8 +127,6 @@ def run_bench(
                 continue
             measured += 1
             results.append(row)
-            if cache is not None and isinstance(codec, Peer):
-                cache.keep(row)
         chosen += [results.rows[key] for key, _, _ in points if key in results.rows]
         height, width = sample.pixels.shape[:2]
         for curves in published:
@@ -168,15 +160,6 @@ def _points(sample: Sample, codecs: Sequence[Codec], versions: dict[str, str]) -
         for quality in codec.ladder:
             key = (codec.name, versions[codec.name], codec.settings(quality), sample.name, sample.crc)
             yield key, codec, quality
-
-
-def _recall(points: Sequence[tuple[Key, Codec, float]], results: Results, cache: PeerCache) -> None:
-    """Adds to the results what the cache holds of points of peers."""
-    for key, codec, _ in points:
-        if isinstance(codec, Peer) and not _is_complete(results.rows.get(key)):
-            row = cache.row(key)
-            if row is not None and _is_complete(row):
-                results.append(row)
 
 
 def _measure(sample: Sample, codec: Codec, quality: float, key: Key) -> Row:

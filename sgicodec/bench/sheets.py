@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from sgicodec.bench.cache import PeerCache
 from sgicodec.bench.codec import Codec, Pixels8
 from sgicodec.bench.places import Place, busiest, most_different
 from sgicodec.bench.run import Sample, load_sample
@@ -36,7 +35,6 @@ def write_sheets(
     folder: Path,
     *,
     places: Sequence[Place] = (),
-    cache: PeerCache | None = None,
     report: Callable[[str], None] = lambda line: None,
 ) -> list[Path]:
     """A PNG for each picture and rate in bpp; returns their paths. A codec that fails has an empty panel and a note.
@@ -51,7 +49,7 @@ def write_sheets(
         height, width = sample.pixels.shape[:2]
         for rate in rates:
             size = int(rate * width * height / 8)
-            versions = [coded_to_size(codec, sample, size, cache) for codec in codecs]
+            versions = [coded_to_size(codec, sample, size) for codec in codecs]
             paths.append(folder / f"{Path(sample.name).stem}-{sample.crc}-{rate:g}bpp.png")
             draw_sheet(sample, versions, f"{sample.name}, {rate:g} bpp: {size:,} bytes", places).save(paths[-1])
             sizes = ", ".join(f"{version.codec} {version.bytes}" for version in versions)

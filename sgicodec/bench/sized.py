@@ -7,7 +7,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
-from sgicodec.bench.cache import PeerCache
 from sgicodec.bench.codec import Codec, Pixels8, RoundTrip
 from sgicodec.bench.peer import Peer
 from sgicodec.bench.run import Sample
@@ -34,7 +33,7 @@ class Sized:
     note: str = ""
 
 
-def coded_to_size(codec: Codec, sample: Sample, size: int, cache: PeerCache | None = None) -> Sized:
+def coded_to_size(codec: Codec, sample: Sample, size: int) -> Sized:
     """The best that a codec makes of a picture in `size` bytes: its own target, or a search over a peer's qualities.
 
     Raises UsageError for a codec that has neither.
@@ -47,16 +46,11 @@ def coded_to_size(codec: Codec, sample: Sample, size: int, cache: PeerCache | No
         return Sized(codec.name, len(trip.data), trip.pixels)
     if not isinstance(codec, Peer):
         raise UsageError(f"{codec.name} cannot be asked for a size")
-    return _peer_to_size(codec, sample, size, cache)
+    return _peer_to_size(codec, sample.pixels, size)
 
 
-def _peer_to_size(peer: Peer, sample: Sample, size: int, cache: PeerCache | None) -> Sized:
-    @functools.cache
-    def stream(quality: float) -> bytes:
-        key = (peer.name, peer.version(), peer.settings(quality), sample.name, sample.crc)
-        encode = functools.partial(peer.encode, sample.pixels, quality)
-        return encode() if cache is None else cache.stream(key, encode)
-
+def _peer_to_size(peer: Peer, pixels: Pixels8, size: int) -> Sized:
+    stream = functools.cache(functools.partial(peer.encode, pixels))
     try:
         best = best_within(peer.scale, lambda quality: len(stream(quality)), TOLERANCE * size)
         if best is None:

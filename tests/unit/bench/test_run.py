@@ -9,7 +9,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sgicodec.bench.cache import PeerCache
 from sgicodec.bench.codec import Pixels8, RoundTrip
 from sgicodec.bench.peers import Jpeg
 from sgicodec.bench.published import PUBLISHED
@@ -94,21 +93,6 @@ def test_a_failing_point_does_not_end_the_run(pictures: list[Path], tmp_path: Pa
     mended = Shifter()
     assert run_bench(pictures, [mended], tmp_path).failures == []
     assert [quality for _, quality in mended.coded] == [2, 2]
-
-
-def test_peers_are_coded_once_for_all_folders(
-    pictures: list[Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    cache, jpeg, shifter = tmp_path / "cache", Jpeg(ladder=(30, 60)), Shifter()
-    first = run_bench(pictures, [shifter, jpeg], tmp_path / "one", cache=PeerCache(cache))
-    monkeypatch.setattr(Jpeg, "encode", lambda self, pixels, quality: 1 / 0)
-    lines: list[str] = []
-    second = run_bench(pictures, [shifter, jpeg], tmp_path / "two", cache=PeerCache(cache), report=lines.append)
-    assert all("2 points measured, 2 already there" in line for line in lines)
-    assert second.rows == first.rows
-    assert len(shifter.coded) == 8  # sgi and other codecs of one's own are coded again
-    assert Results(tmp_path / "two" / "results.tsv").rows == Results(tmp_path / "one" / "results.tsv").rows
-    assert {row.codec for row in Results(cache / "results.tsv").rows.values()} == {"jpeg"}
 
 
 def test_published_curves_stand_beside_the_measured_ones(tmp_path: Path) -> None:
