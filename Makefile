@@ -58,7 +58,7 @@ $(USER_STAMP): $(INPUTS)
 # Builds on the one above: what is compiled stays, the extras are added. torch is large.
 $(DEV_STAMP): $(USER_STAMP)
 	@echo "Adding what tests and lint need to $(VENV)."
-	@$(call install,bench$(comma)cluster$(comma)lint$(comma)peers$(comma)serve$(comma)test)
+	@$(call install,bench$(comma)cluster$(comma)lint$(comma)serve$(comma)test)
 	@touch $@
 
 comma := ,

@@ -71,7 +71,7 @@ def require(library: str, what: str, extra: str | None = None) -> None:
         raise MissingExtraError(f"{what} needs {name}: pip install {package}")
 
 
-_PACKAGES = {"PIL": "pillow", "pillow_heif": "pillow-heif", "distributed": "Dask", "imageio_ffmpeg": "imageio-ffmpeg"}
+_PACKAGES = {"PIL": "pillow", "pillow_heif": "pillow-heif", "distributed": "Dask"}
 """What libraries are called where it is not the name of their module."""
 
 

@@ -1,8 +1,8 @@
 """Rate, distortion and time of sgi against other codecs, on the same pictures with the same measures.
 
-The modules from the bottom up: `bdrate` (curves), `codec` (what a codec must offer), `peer`, `optional_peers`, `peers`,
-`published` and `sgi` (the codecs), `rows` (results on disk), `measures` (what is compared), `run` (the
-measurement), `lossless` (that of exact samples), `summary`, `tables` and `plots` (what follows from the rows), `sized`,
-`places` and `sheets` (contact sheets), `command` (the command line). scipy, ssimulacra2, pillow, imagecodecs and
-matplotlib come with the extra `sgicodec[bench]`, jpegli and VVenC with `sgicodec[peers]`.
+The modules from the bottom up: `bdrate` (curves), `codec` (what a codec must offer), `peer`, `peers`, `published` and
+`sgi` (the codecs), `rows` (results on disk), `measures` (what is compared), `run` (the measurement), `lossless` (that
+of exact samples), `summary`, `tables` and `plots` (what follows from the rows), `sized`, `places` and `sheets` (contact
+sheets), `command` (the command line). scipy, ssimulacra2, pillow, imagecodecs and matplotlib come with the extra
+`sgicodec[bench]`.
 """

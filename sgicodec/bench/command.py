@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 
 __all__ = ["bench", "compare"]
 
-_PEERS = ("jpeg", "jpegli", "jpeg2000", "webp", "jxl", "avif-iq", "avif", "avif-s2", "vvenc")
+_PEERS = ("jpeg", "jpeg2000", "webp", "jxl", "avif-iq", "avif", "avif-s2")
 _PUBLISHED = ("coolchic5",)
 _CODECS = ("sgi", *_PEERS, *_PUBLISHED)
 _FILE = click.Path(path_type=Path)

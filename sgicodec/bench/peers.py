@@ -1,8 +1,7 @@
 """The codecs that sgi is measured against: as people use them, and at their strongest reasonable setting for PSNR.
 
-JPEG, WebP, AVIF and JPEG 2000 come with pillow, JPEG XL with imagecodecs: the extra `bench`. jpegli and VVenC are in
-`optional_peers`. The ladders span about 0.1 to 2.5 bits per pixel on photographs of the size of the Kodak set, and
-SSIMULACRA 2 from 20 to 85 where the codec can.
+JPEG, WebP, AVIF and JPEG 2000 come with pillow, JPEG XL with imagecodecs: the extra `bench`. The ladders span about 0.1
+to 2.5 bits per pixel on photographs of the size of the Kodak set, and SSIMULACRA 2 from 20 to 85 where the codec can.
 """
 
 from __future__ import annotations
@@ -14,7 +13,6 @@ from typing import Any, ClassVar
 import numpy as np
 
 from sgicodec.bench.codec import Codec, Pixels8
-from sgicodec.bench.optional_peers import Jpegli, VVenC
 from sgicodec.bench.peer import Peer, PillowPeer
 from sgicodec.errors import UsageError, require
 
@@ -151,14 +149,12 @@ class JpegXl(Peer):
 # In the order of the formats' age, which is also the order of tables.
 PEERS: dict[str, Callable[[int], Codec]] = {
     "jpeg": lambda threads: Jpeg(),
-    "jpegli": lambda threads: Jpegli(),
     "jpeg2000": lambda threads: Jpeg2000(),
     "webp": lambda threads: WebP(),
     "jxl": lambda threads: JpegXl(threads=threads),
     "avif-iq": lambda threads: AvifIq(threads=threads),
     "avif": lambda threads: Avif(threads=threads),
     "avif-s2": lambda threads: AvifSlow(threads=threads),
-    "vvenc": lambda threads: VVenC(threads=threads),
 }
 
 

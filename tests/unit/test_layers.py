@@ -55,8 +55,6 @@ HOMES = {
         "sgicodec/bench/",
         "benchmarks/",
     ),
-    "pyjpegli": ("sgicodec/bench/optional_peers.py",),
-    "imageio_ffmpeg": ("sgicodec/bench/optional_peers.py",),
     "matplotlib": ("sgicodec/bench/",),
     "distributed": ("sgicodec/executors/dask.py",),
     "starlette": ("sgicodec/server/",),

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from sgicodec.bench.codec import Pixels8
-from sgicodec.bench.optional_peers import Jpegli, VVenC
 from sgicodec.bench.peer import Peer
 from sgicodec.bench.peers import Avif, AvifIq, AvifSlow, Jpeg, Jpeg2000, JpegXl, WebP, find_peers
 from sgicodec.errors import PictureError, UsageError
@@ -16,8 +15,7 @@ from sgicodec.metrics.psnr import psnr
 
 pytest.importorskip("imagecodecs")
 
-OPTIONAL = [peer for peer in (Jpegli(), VVenC()) if not find_peers([peer.name])[1]]
-ALL = [Jpeg(), Jpeg2000(), WebP(), JpegXl(), Avif(), AvifIq(), AvifSlow(), *OPTIONAL]
+ALL = [Jpeg(), Jpeg2000(), WebP(), JpegXl(), Avif(), AvifIq(), AvifSlow()]
 NAMES = [peer.name for peer in ALL]
 
 
