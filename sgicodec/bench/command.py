@@ -342,16 +342,14 @@ def _choose_codecs(wanted: Sequence[str], by_name: bool, threads: int) -> list[C
 
 
 def _sgi_curves(qualities: str, efforts: str, variants: tuple[str, ...], threads: int) -> list[SgiCodec]:
-    """Sgi at each effort with each variant's options; a profile without qualities has points of its own."""
-    from sgicodec.bench.ladders import ladder_of
+    """Sgi at each effort with each variant's options."""
     from sgicodec.bench.sgi import SgiCodec
 
-    asked = tuple(sorted(numbers(qualities, "--qualities")))
+    points = tuple(sorted(numbers(qualities, "--qualities")))
     levels: list[int | None] = [int(level) for level in numbers(efforts, "--efforts")]
-    curves: list[SgiCodec] = []
-    for label, given in [variant(text, "--sgi") for text in variants] or [("", ())]:
-        scale = ladder_of(given)
-        points = asked if scale.has_efforts else scale.values
-        for level in (levels if scale.has_efforts else []) or [None]:
-            curves.append(SgiCodec(points, level, threads, label=label, options=given))
-    return curves
+    given = [variant(text, "--sgi") for text in variants] or [("", ())]
+    return [
+        SgiCodec(points, level, threads, label=label, options=options)
+        for label, options in given
+        for level in levels or [None]
+    ]

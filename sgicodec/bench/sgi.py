@@ -17,7 +17,6 @@ from typing import NamedTuple
 import numpy as np
 
 from sgicodec.bench.codec import Coded, Pixels8, RoundTrip
-from sgicodec.bench.ladders import QUALITIES, ladder_of
 from sgicodec.errors import SgiError, require
 from sgicodec.metrics.psnr import Pixels
 
@@ -31,12 +30,9 @@ _INERT_SUFFIXES = {".pyc", ".cpp", ".hpp", ".cu", ".cuh"}
 
 @dataclass(frozen=True)
 class SgiCodec:
-    """`sgi encode` at a ladder of qualities and one effort (None for the command's default), with further options.
+    """`sgi encode` at a ladder of qualities and one effort (None for the command's default), with further options."""
 
-    The profile among the options says what a quality is.
-    """
-
-    ladder: tuple[float, ...] = QUALITIES.values
+    ladder: tuple[float, ...] = (20.0, 35.0, 50.0, 65.0, 80.0)
     effort: int | None = None
     threads: int = 1
     command: tuple[str, ...] = (sys.executable, "-m", "sgicodec")
@@ -65,12 +61,11 @@ class SgiCodec:
         return f"effort={effort} threads={self.threads}{further}"
 
     def settings(self, quality: float) -> str:
-        return f"{ladder_of(self.options).name}={quality:g} {self.fixed_settings}"
+        return f"quality={quality:g} {self.fixed_settings}"
 
     def round_trip(self, pixels: Pixels8, quality: float) -> RoundTrip:
         """Write a PNG, encode and decode by command, read the PNG. Raises SgiError if a command fails."""
-        point = ladder_of(self.options).options(quality, pixels.shape[0] * pixels.shape[1])
-        return self._trip(pixels, point)
+        return self._trip(pixels, ("-q", f"{quality:g}"))
 
     def of_size(self, pixels: Pixels8, size: int) -> RoundTrip:
         """The same towards a size in bytes, which the stream does not exceed. Raises SgiError if a command fails."""
