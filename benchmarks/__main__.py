@@ -19,6 +19,7 @@ BENCHMARKS = {
     "cuda": ("benchmarks.cuda", "Check and measure the kernels on a GPU; count floors without."),
     "paper": ("benchmarks.paper.command", "The paper's tables, measured again beside its own figures."),
     "indices": ("benchmarks.indices", "What coding does to NDVI and band ratios, beside JPEG 2000."),
+    "sheets": ("benchmarks.sheets", "Draw details of pictures by all codecs in as many bytes."),
     "figure": ("benchmarks.figure", "Draw the README's picture: original, sgi, AVIF of equal size."),
 }
 """Name on the command line → the module whose `main` is the command, and what it does."""

@@ -8,10 +8,10 @@ from typing import NamedTuple
 
 import click
 
+from benchmarks._sized import TOLERANCE, best_within
 from sgicodec import read
 from sgicodec.bench.codec import Pixels8
 from sgicodec.bench.peers import AvifIq
-from sgicodec.bench.sized import TOLERANCE, best_within
 from sgicodec.decoder.stream import open_stream
 from sgicodec.errors import require
 from sgicodec.metrics.perceptual import perceived

@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from benchmarks._sized import best_within
 from benchmarks._turns import median_seconds
 from benchmarks.paper.jobs import REDUCTION, Job, Method
 from benchmarks.paper.rows import PaperRow
@@ -21,7 +22,6 @@ from sgicodec.bench.codec import Pixels8
 from sgicodec.bench.peers import Jpeg
 from sgicodec.bench.run import Sample
 from sgicodec.bench.sgi import Run, SgiCodec, run_timed
-from sgicodec.bench.sized import best_within
 from sgicodec.decoder.stream import open_stream
 from sgicodec.device import Device
 from sgicodec.errors import SgiError

@@ -2,7 +2,6 @@
 
 The modules from the bottom up: `bdrate` (curves), `codec` (what a codec must offer), `peer`, `peers`, `published` and
 `sgi` (the codecs), `rows` (results on disk), `measures` (what is compared), `run` (the measurement), `lossless` (that
-of exact samples), `summary`, `tables` and `plots` (what follows from the rows), `sized`, `places` and `sheets` (contact
-sheets), `command` (the command line). scipy, ssimulacra2, pillow, imagecodecs and matplotlib come with the extra
-`sgicodec[bench]`.
+of exact samples), `summary`, `tables` and `plots` (what follows from the rows), `command` (the command line). scipy,
+ssimulacra2, pillow, imagecodecs and matplotlib come with the extra `sgicodec[bench]`.
 """

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from sgicodec.bench.options import numbers, place, variant
+from sgicodec.bench.options import numbers, variant
 from sgicodec.errors import (
     OutputExistsError,
     PictureError,
@@ -73,13 +73,9 @@ def _writing() -> Iterator[None]:
 @click.option("--sgi", "variants", multiple=True, metavar="NAME=OPTIONS", help="A curve with options of sgi encode.")
 @click.option("--threads", default=1, show_default=True, type=click.IntRange(1), help="Threads of each codec.")
 @click.option("--out", default="bench-out", show_default=True, type=_FILE, help="Folder for the results.")
-@click.option("--sheets", type=_FILE, metavar="FOLDER", help="Draw details by all codecs at equal bytes as PNG files.")
-@click.option("--sheet-rates", default="0.25,0.5,0.8", show_default=True, help="Bits per pixel of these sheets.")
-@click.option("--sheet-place", "sheet_places", multiple=True, metavar="X,Y", help="Show this place, repeatable.")
 @click.option("--at-score", type=float, help="Tell the bytes at which curves reach this SSIMULACRA 2, too.")
 @click.option("--lossless", is_flag=True, help="Measure bytes without loss instead of curves: --max-error 0.")
 @click.option("--max-error", "errors", multiple=True, type=click.FloatRange(0), help="… within N levels, repeatable.")
-@click.option("--curves/--no-curves", default=True, show_default=True, help="Measure curves; without, only --sheets.")
 @click.option("--plots/--no-plots", default=True, show_default=True, help="Draw the curves as PNG files.")
 @click.option("--json", "as_json", is_flag=True, help="Print the summary as JSON instead of tables.")
 @_writing()
@@ -91,13 +87,9 @@ def bench(
     variants: tuple[str, ...],
     threads: int,
     out: Path,
-    sheets: Path | None,
-    sheet_rates: str,
-    sheet_places: tuple[str, ...],
     at_score: float | None,
     lossless: bool,
     errors: tuple[float, ...],
-    curves: bool,
     plots: bool,
     as_json: bool,
 ) -> None:
@@ -107,34 +99,22 @@ def bench(
     that it already holds are not measured again. OUT/summary.json holds what follows from this run's points.
     A point that a codec fails on is reported, does not stop the run, and makes the command end with status 1.
 
-    With --sheets every picture has a sheet for each rate: its busiest place, and that where the codecs differ
-    most, or those of --sheet-place, by every codec in the same number of bytes.
-
     With --lossless and --max-error every codec (sgi, png, jpegls, webp, lerc, jxl) gets each picture's own samples, of
     any depth and number of bands, and its bytes and processor seconds go to OUT/lossless.tsv.
     """
     errors = ((0.0,) if lossless else ()) + errors
     if errors:
-        if sheets is not None:
-            raise UsageError("--sheets shows curves' codecs, and goes without --lossless and --max-error")
         _measure_lossless(places, codecs, errors, efforts, variants, threads, out, as_json)
         return
-    for library in ("scipy", "matplotlib") if plots and curves else ("scipy",):
+    for library in ("scipy", "matplotlib") if plots else ("scipy",):
         require(library, "sgi bench", "bench")
     wanted = _wanted(codecs, _CODECS)
-    rates = [] if sheets is None else numbers(sheet_rates, "--sheet-rates")
-    shown = [place(text, "--sheet-place") for text in sheet_places]
     chosen = _choose_codecs(wanted, codecs is not None, threads)
     if "sgi" in wanted:
         chosen = [*_sgi_curves(qualities, efforts, variants, threads), *chosen]
     pictures = _pictures(places)
-    if sheets is not None:
-        from sgicodec.bench.sheets import write_sheets
-
-        write_sheets(pictures, chosen, rates, sheets, places=shown, report=_report)
-    if curves:
-        published = [name for name in wanted if name in _PUBLISHED]
-        _measure_curves(pictures, chosen, published, out, at_score, plots, as_json)
+    published = [name for name in wanted if name in _PUBLISHED]
+    _measure_curves(pictures, chosen, published, out, at_score, plots, as_json)
 
 
 def _pictures(places: Sequence[str]) -> list[Path]:

@@ -7,7 +7,7 @@ import shlex
 
 from sgicodec.errors import UsageError
 
-__all__ = ["numbers", "place", "variant"]
+__all__ = ["numbers", "variant"]
 
 
 def numbers(text: str, option: str) -> list[float]:
@@ -16,13 +16,6 @@ def numbers(text: str, option: str) -> list[float]:
         return [float(part) for part in text.split(",") if part.strip()]
     except ValueError as error:
         raise UsageError(f"{option} takes numbers with commas between, not {text!r}") from error
-
-
-def place(text: str, option: str) -> tuple[int, int]:
-    """Column and row from X,Y. Raises UsageError for anything else."""
-    if not (found := re.fullmatch(r"(\d{1,9}),(\d{1,9})", text)):
-        raise UsageError(f"{option} takes X,Y in pixels, not {text!r}")
-    return int(found[1]), int(found[2])
 
 
 def variant(text: str, option: str) -> tuple[str, tuple[str, ...]]:

@@ -64,12 +64,8 @@ class SgiCodec:
         return f"quality={quality:g} {self.fixed_settings}"
 
     def round_trip(self, pixels: Pixels8, quality: float) -> RoundTrip:
-        """Write a PNG, encode and decode by command, read the PNG. Raises SgiError if a command fails."""
-        return self._trip(pixels, ("-q", f"{quality:g}"))
-
-    def of_size(self, pixels: Pixels8, size: int) -> RoundTrip:
-        """The same towards a size in bytes, which the stream does not exceed. Raises SgiError if a command fails."""
-        return self._trip(pixels, ("--size", str(size)))
+        """See `trip`."""
+        return self.trip(pixels, ("-q", f"{quality:g}"))
 
     def takes(self, pixels: Pixels, max_error: float) -> bool:
         """Whether samples can be brought back at all: always."""
@@ -86,7 +82,10 @@ class SgiCodec:
             encoded, decoded = self._run(path, stream, result, ("--max-error", str(max_error), "--no-metadata"))
             return Coded(stream.stat().st_size, read(result).pixels, encoded.cpu, decoded.cpu)
 
-    def _trip(self, pixels: Pixels8, target: tuple[str, ...]) -> RoundTrip:
+    def trip(self, pixels: Pixels8, target: tuple[str, ...]) -> RoundTrip:
+        """Write a PNG, encode it towards a target and decode by command, read the PNG. Raises SgiError if a command
+        fails.
+        """
         from PIL import Image
 
         with tempfile.TemporaryDirectory(prefix="sgi-bench-") as folder:

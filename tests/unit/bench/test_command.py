@@ -103,10 +103,8 @@ def test_bench_says_what_it_cannot_write(tmp_path: Path, options: list[str]) -> 
     [
         (["--codecs", "jpeg,bpg"], "no codec is called 'bpg'"),
         (["--lossless", "--codecs", "jpeg"], "no codec is called 'jpeg'; there are sgi, png"),
-        (["--max-error", "1", "--sheets", "s"], "--sheets"),
         (["--qualities", "20,high"], "--qualities takes numbers"),
         (["--efforts", "max"], "--efforts takes numbers"),
-        (["--sheets", "s", "--sheet-rates", "low"], "--sheet-rates takes numbers"),
         (["--sgi", "--tile 64"], "--sgi takes NAME=OPTIONS"),
         (["--sgi", "fine='"], "--sgi: No closing quotation"),
         ([""], "the name of a picture or folder is empty"),

@@ -74,7 +74,7 @@ def test_peak_memory_is_the_command_s_and_not_the_benchmark_s(tmp_path: Path) ->
 
 
 def test_a_size_is_a_target_of_the_command(tmp_path: Path) -> None:
-    SgiCodec(command=stand_in(tmp_path)).of_size(picture(), 1234)
+    SgiCodec(command=stand_in(tmp_path)).trip(picture(), ("--size", "1234"))
     encode = json.loads((tmp_path / "fake.log").read_text().splitlines()[0])
     assert encode[3:5] == ["--size", "1234"]
     assert "-q" not in encode

@@ -3,16 +3,22 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import click
 import numpy as np
 
-from sgicodec.bench.codec import Codec, Pixels8
-from sgicodec.bench.places import Place, busiest, most_different
-from sgicodec.bench.run import Sample, load_sample
-from sgicodec.bench.sized import Sized, coded_to_size
+from benchmarks._places import Place, busiest, most_different
+from benchmarks._sized import Sized, coded_to_size
+from sgicodec.bench.codec import Pixels8
+from sgicodec.bench.options import numbers
+from sgicodec.bench.peer import Peer
+from sgicodec.bench.peers import find_peers
+from sgicodec.bench.run import Sample, find_pictures, load_sample
+from sgicodec.bench.sgi import SgiCodec
+from sgicodec.errors import UsageError, require
 from sgicodec.metrics.perceptual import perceived
 from sgicodec.metrics.psnr import psnr
 
@@ -20,7 +26,7 @@ if TYPE_CHECKING:
     from PIL.Image import Image as Picture
     from PIL.ImageFont import FreeTypeFont, ImageFont
 
-__all__ = ["draw_sheet", "write_sheets"]
+__all__ = ["draw_sheet", "main"]
 
 _CROP = (160, 128)  # pixels of the picture, before they are doubled
 _COLUMNS = 4
@@ -28,33 +34,35 @@ _LABEL = 36  # pixels, two lines
 _GAP = 6
 
 
-def write_sheets(
-    pictures: Sequence[Path],
-    codecs: Sequence[Codec],
-    rates: Sequence[float],
-    folder: Path,
-    *,
-    places: Sequence[Place] = (),
-    report: Callable[[str], None] = lambda line: None,
-) -> list[Path]:
-    """A PNG for each picture and rate in bpp; returns their paths. A codec that fails has an empty panel and a note.
-    places: what to show, instead of what is found.
-
-    Raises PictureError for an unreadable picture.
+@click.command()
+@click.argument("pictures", nargs=-1, required=True, type=click.Path(exists=True, path_type=Path))
+@click.option("--out", default="sheets", show_default=True, type=click.Path(path_type=Path), help="Folder.")
+@click.option("--codecs", default="sgi,jxl,avif-iq", show_default=True, help="sgi, and peers of sgi bench.")
+@click.option("--rates", default="0.25,0.5,0.8", show_default=True, help="Bits per pixel.")
+@click.option("--place", "places", type=int, nargs=2, multiple=True, metavar="X Y", help="Show this place, repeatable.")
+def main(pictures: tuple[Path, ...], out: Path, codecs: str, rates: str, places: tuple[Place, ...]) -> None:
+    """Draw details of PICTURES, or of those in folders, by all codecs in as many bytes, as PNG files: the busiest
+    place, and that where the codecs differ most, or those of --place.
     """
-    folder.mkdir(parents=True, exist_ok=True)
-    paths = []
-    for path in pictures:
+    for library in ("PIL", "scipy"):
+        require(library, "contact sheets", "bench")
+    names = [name.strip() for name in codecs.split(",")]
+    found, missing = find_peers([name for name in names if name != "sgi"])
+    if missing:
+        raise UsageError("; ".join(missing.values()))
+    chosen: list[SgiCodec | Peer] = [SgiCodec()] if "sgi" in names else []
+    chosen += [peer for peer in found if isinstance(peer, Peer)]
+    out.mkdir(parents=True, exist_ok=True)
+    for path in find_pictures(pictures):
         sample = load_sample(path)
         height, width = sample.pixels.shape[:2]
-        for rate in rates:
+        for rate in numbers(rates, "--rates"):
             size = int(rate * width * height / 8)
-            versions = [coded_to_size(codec, sample, size) for codec in codecs]
-            paths.append(folder / f"{Path(sample.name).stem}-{sample.crc}-{rate:g}bpp.png")
-            draw_sheet(sample, versions, f"{sample.name}, {rate:g} bpp: {size:,} bytes", places).save(paths[-1])
+            versions = [coded_to_size(codec, sample.pixels, size) for codec in chosen]
+            target = out / f"{Path(sample.name).stem}-{sample.crc}-{rate:g}bpp.png"
+            draw_sheet(sample, versions, f"{sample.name}, {rate:g} bpp: {size:,} bytes", places).save(target)
             sizes = ", ".join(f"{version.codec} {version.bytes}" for version in versions)
-            report(f"{paths[-1].name}: {size} bytes; {sizes}")
-    return paths
+            click.echo(f"{target}: {size} bytes; {sizes}")
 
 
 def draw_sheet(sample: Sample, versions: Sequence[Sized], title: str, places: Sequence[Place] = ()) -> Picture:

@@ -1,26 +1,20 @@
-"""Pictures coded into a given number of bytes, by any codec of the benchmark."""
+"""Pictures coded into a given number of bytes, by sgi or a peer of it."""
 
 from __future__ import annotations
 
 import functools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Protocol, runtime_checkable
 
-from sgicodec.bench.codec import Codec, Pixels8, RoundTrip
+from sgicodec.bench.codec import Pixels8
 from sgicodec.bench.peer import Peer
-from sgicodec.bench.run import Sample
-from sgicodec.errors import SgiError, UsageError
+from sgicodec.bench.sgi import SgiCodec
+from sgicodec.errors import SgiError
 
 __all__ = ["TOLERANCE", "Sized", "best_within", "coded_to_size"]
 
 TOLERANCE = 1.02
 """How many times the bytes asked for a peer may take, since its qualities come in steps."""
-
-
-@runtime_checkable
-class _MeetsSizes(Protocol):
-    def of_size(self, pixels: Pixels8, size: int) -> RoundTrip: ...
 
 
 @dataclass(frozen=True)
@@ -33,20 +27,17 @@ class Sized:
     note: str = ""
 
 
-def coded_to_size(codec: Codec, sample: Sample, size: int) -> Sized:
-    """The best that a codec makes of a picture in `size` bytes: its own target, or a search over a peer's qualities.
-
-    Raises UsageError for a codec that has neither.
+def coded_to_size(codec: SgiCodec | Peer, pixels: Pixels8, size: int) -> Sized:
+    """The best that a codec makes of a picture in `size` bytes: towards that target, or by a search over a peer's
+    qualities.
     """
-    if isinstance(codec, _MeetsSizes):
-        try:
-            trip = codec.of_size(sample.pixels, size)
-        except SgiError as error:
-            return Sized(codec.name, 0, None, str(error))
-        return Sized(codec.name, len(trip.data), trip.pixels)
-    if not isinstance(codec, Peer):
-        raise UsageError(f"{codec.name} cannot be asked for a size")
-    return _peer_to_size(codec, sample.pixels, size)
+    if isinstance(codec, Peer):
+        return _peer_to_size(codec, pixels, size)
+    try:
+        trip = codec.trip(pixels, ("--size", str(size)))
+    except SgiError as error:
+        return Sized(codec.name, 0, None, str(error))
+    return Sized(codec.name, len(trip.data), trip.pixels)
 
 
 def _peer_to_size(peer: Peer, pixels: Pixels8, size: int) -> Sized:
