@@ -55,18 +55,13 @@ class Curve:
             return math.nan
         return float(PchipInterpolator(self.log_rates, self.qualities, extrapolate=False)(math.log(rate)))
 
-    def log_rates_at(self, qualities: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
-        """Logarithms of the rate at qualities inside the curve, which has two points at least."""
-        found: npt.NDArray[np.float64] = PchipInterpolator(self.qualities, self.log_rates)(qualities)
-        return found
-
     def rate_at(self, quality: float) -> float:
         """The least rate at which a quality is reached: the first point's where that is better, NaN where none is."""
         if not len(self.qualities) or quality > self.qualities[-1]:
             return math.nan
         if quality <= self.qualities[0]:
             return math.exp(self.log_rates[0])
-        return math.exp(self.log_rates_at(np.array([quality]))[0])
+        return math.exp(PchipInterpolator(self.qualities, self.log_rates)(quality))
 
 
 def bd_rate(anchor: Curve, test: Curve, within: tuple[float, float] = (-math.inf, math.inf)) -> Delta:

@@ -1,4 +1,4 @@
-"""The summary as pictures: rate–distortion of each picture and of their mean, bytes at equal quality, time."""
+"""The summary as pictures: rate–distortion of each picture and of their mean, time."""
 
 from __future__ import annotations
 
@@ -11,8 +11,7 @@ import numpy as np
 
 from sgicodec.bench.measures import MEASURES
 from sgicodec.bench.rows import Row
-from sgicodec.bench.savings import Savings, savings
-from sgicodec.bench.summary import Comparison, Summary, curves, is_sgi, mean_at, picture_label
+from sgicodec.bench.summary import Summary, curves, is_sgi, mean_at, picture_label
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -32,9 +31,6 @@ def write_plots(summary: Summary, out_dir: Path) -> list[Path]:
 
 def _figures(summary: Summary) -> Iterator[tuple[str, Figure]]:
     yield "rd-mean", _mean_figure(summary)
-    figure = _savings_figure(summary)
-    if figure is not None:
-        yield "savings", figure
     yield "time", _time_figure(summary)
     for label in summary.pictures:
         name, crc = label.rsplit(" ", 1)
@@ -101,36 +97,6 @@ def _mean_figure(summary: Summary) -> Figure:
     return figure
 
 
-def _savings_figure(summary: Summary) -> Figure | None:
-    """Bytes of sgi against each other codec, or of all against the first, with confidence intervals over pictures; None
-    where no two curves of all pictures share a quality.
-    """
-    of_sgi = any(is_sgi(comparison.test) for comparison in summary.comparisons)
-    wanted = [each for each in summary.comparisons if each.measure in summary.means and is_sgi(each.test) == of_sgi]
-    found = [(each, saved) for each in wanted if (saved := _savings(summary, each)) is not None]
-    measures = list(dict.fromkeys(each.measure for each, _ in found))
-    if not measures:
-        return None
-    figure = _figure(7 * len(measures))
-    panels = dict(zip(measures, figure.subplots(1, len(measures), squeeze=False)[0], strict=True))
-    tests = list(dict.fromkeys(each.test for each, _ in found))
-    for each, saved in found:
-        style = _style(summary, each.anchor if of_sgi else each.test) | {"marker": "", "linewidth": 1.8}
-        dashes = ("-", "--", ":", "-.")[tests.index(each.test) % 4 if of_sgi else 0]
-        style |= {"label": f"{each.test} against {each.anchor}", "linestyle": dashes}
-        panels[each.measure].plot(saved.qualities, saved.percent, **style)
-        panels[each.measure].fill_between(saved.qualities, saved.low, saved.high, color=style["color"], alpha=0.15)
-    for name, axes in panels.items():
-        axes.axhline(0, color="black", linewidth=0.8)
-        _label(axes, f"mean of {len(summary.pictures)} pictures at equal quality", "bytes, %", MEASURES[name].axis)
-    return figure
-
-
-def _savings(summary: Summary, comparison: Comparison) -> Savings | None:
-    tests, anchors = (curves(summary.rows, name, comparison.measure) for name in (comparison.test, comparison.anchor))
-    return savings(anchors, tests, MEASURES[comparison.measure].within)
-
-
 def _is_known(summary: Summary, measure: str) -> bool:
     """Whether any point has the measure; PSNR counts as known."""
     quality = MEASURES[measure].quality
@@ -164,8 +130,8 @@ def _mean_per_megapixel(rows: Sequence[Row], field: str) -> float:
     return float(np.mean([getattr(row, field) / (row.width * row.height / 1e6) for row in rows]))
 
 
-def _label(axes: Axes, title: str, quantity: str, over: str = "bits per pixel") -> None:
-    axes.set(title=title, xlabel=over, ylabel=quantity)
+def _label(axes: Axes, title: str, quantity: str) -> None:
+    axes.set(title=title, xlabel="bits per pixel", ylabel=quantity)
     axes.grid(alpha=0.3)
     if axes.get_legend_handles_labels()[0]:
         axes.legend()

@@ -34,7 +34,7 @@ def test_curves(researcher: Newcomer, reached: Callable[[str], None]) -> None:
         for each in json.loads((out / "summary.json").read_text("utf-8"))["comparisons"]
     }
     assert -60 < rates["sgi", "webp", "ssimulacra2"] < 0
-    assert {"results.tsv", "rd-mean.png", "savings.png", "time.png"} <= {path.name for path in out.iterdir()}
+    assert {"results.tsv", "rd-mean.png", "time.png"} <= {path.name for path in out.iterdir()}
 
 
 def test_the_notebook(researcher: Newcomer, reached: Callable[[str], None], pytestconfig: pytest.Config) -> None:

@@ -42,7 +42,7 @@ def test_bench_prints_tables_and_leaves_results(tmp_path: Path) -> None:
     assert "BD-rate in % against jpeg of" in result.stdout
     assert "1/1 p.png 56x40: 18 points measured, 0 already there" in result.stderr
     names = {path.name.split("-")[0] for path in (tmp_path / "out").iterdir()}
-    assert names == {"results.tsv", "summary.json", "rd", "savings.png", "time.png"}
+    assert names == {"results.tsv", "summary.json", "rd", "time.png"}
 
 
 def test_bench_resumes_and_prints_json(tmp_path: Path) -> None:

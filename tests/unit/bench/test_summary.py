@@ -124,8 +124,8 @@ def test_bytes_at_a_score() -> None:
     assert cells(lines, "sgi against it, %") == [["–", "+150.0", "–"]]
 
 
-def test_intervals_over_pictures(tmp_path: Path) -> None:
-    """Of three pictures or more, in tables, JSON and the plot of savings."""
+def test_intervals_over_pictures() -> None:
+    """Of three pictures or more, in tables and JSON."""
     factors = {"a.png": 0.6, "b.png": 0.7, "c.png": 0.8}
     points = [point for name in factors for point in rows("jpeg", name, steep)]
     points += [point for name, factor in factors.items() for point in rows("sgi", name, steep, factor)]
@@ -135,10 +135,9 @@ def test_intervals_over_pictures(tmp_path: Path) -> None:
     assert cells(printed(found), "mean, psnr") == [[f"-30.0 ({low:+.1f} to {high:+.1f})"]]
     tree = json.loads(json.dumps(found.to_json(), allow_nan=False))
     assert tree["comparisons"][0]["bd_rate_interval_percent"] == [low, high]
-    assert tmp_path / "savings.png" in write_plots(found, tmp_path)
 
 
-def test_curves_of_different_qualities_have_no_plot_of_savings(tmp_path: Path) -> None:
+def test_plots_of_curves_of_different_qualities(tmp_path: Path) -> None:
     points = rows("jpeg", "a.png", steep) + rows("sgi", "a.png", lambda bpp: steep(bpp) + 40)
     names = [path.name for path in write_plots(summarise(points, ["sgi", "jpeg"]), tmp_path)]
     assert names == ["rd-mean.png", "time.png", "rd-a-00000000.png"]
