@@ -102,7 +102,7 @@ def check_features(device: Device, pixels: np.ndarray, number: int = 60) -> str:
     spec, target = paper_spec(3, per_seed=3, features=9), _samples(pixels)
     settings, size = paper_settings(_FEATURE_RATE, 1, 100), (target.shape[2], target.shape[1])
     layout = uniform_layout(*size, 300, np.random.default_rng(1))
-    trainer = Trainer(spec, settings, target, layout, 0, device=device)
+    trainer = Trainer(spec, settings, target, layout, device=device)
     for progress in trainer.iterate():
         if progress.step == number:
             break

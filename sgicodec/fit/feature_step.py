@@ -64,7 +64,7 @@ class FeatureOutputs(NamedTuple):
 
 
 class FeatureStep:
-    """A `GradientStep` for mean absolute error and Gaussian bits, for the models and settings that `can_run` names.
+    """A `GradientStep` for mean absolute error and Gaussian bits of the paper profile.
 
     size: of the picture (W, H). Noise is a hash of (its key, column, seed), so that a step does not depend on the
     number of threads.
@@ -78,16 +78,6 @@ class FeatureStep:
         sizes = spec.per_seed, spec.channels, spec.features, spec.hidden, context.hidden
         self.native = _native.FeatureFit(device.isa, device.threads, *sizes, *hashed)
         self.spec, self.settings, self.raster, self.size = spec, settings, raster, size
-
-    @staticmethod
-    def can_run(spec: ModelSpec, settings: FitSettings) -> bool:
-        """Whether the native code has this: uniform seeds with scales and features, which plain MLPs turn into rotated
-        Gaussians; one coding stage that sees the hash grid; absolute error; no phase that rounds.
-        """
-        context, groups = spec.context, tuple(group.name for group in spec.groups)
-        grouped = groups == _GROUPS and context.steps == (_GROUPS,) and bool(context.hash_resolutions)
-        fitted = settings.loss == "absolute" and all(phase.rounding != "round" for phase in settings.phases)
-        return grouped and not context.neighbours and fitted
 
     def set_layout(self, layout: SeedLayout, quality: int) -> None:
         """As `GradientStep.set_layout`."""

@@ -34,7 +34,7 @@ REFRESH = 8
 
 
 class FusedStep:
-    """A `GradientStep` for squared error and Laplacian bits, for the models that `can_run` names.
+    """A `GradientStep` for squared error and Laplacian bits of the default profile, with any C and width of MLP_p.
 
     networks: MLP_p of each coding stage, which does not train. Noise is a hash of (its key, column, seed), so that a
     step does not depend on the number of threads. MLP_p runs every `REFRESH` steps, from what neighbours are then: they
@@ -48,11 +48,6 @@ class FusedStep:
         self.native = _native.SeedFit(device.isa, device.threads, spec.channels, spec.context.hidden, *weights)
         self.spec, self.seed, self.raster = spec, seed, raster
         self.age = 0
-
-    @staticmethod
-    def can_run(spec: ModelSpec) -> bool:
-        """Whether the native code has this model: the default profile's, with any C and width of MLP_p."""
-        return spec.plain and 0 < spec.context.neighbours <= _native.MAX_NEIGHBOURS
 
     def set_layout(self, layout: SeedLayout, quality: int) -> None:
         """Prepares everything that depends on where the seeds are."""

@@ -13,11 +13,11 @@ from sgicodec.device import ALL_CORES, Device
 from sgicodec.fit.adam import Adam
 from sgicodec.fit.context_weights import ContextWeights
 from sgicodec.fit.densification import worthwhile_cells
-from sgicodec.fit.gradient_steps import gradient_step_of
+from sgicodec.fit.feature_step import FeatureStep
+from sgicodec.fit.fused_step import FusedStep
 from sgicodec.fit.initialization import CellMeans
-from sgicodec.fit.parameters import Parameters, learning_rate_of
+from sgicodec.fit.parameters import GradientStep, Parameters, learning_rate_of
 from sgicodec.fit.pyramid import levels_of, max_level
-from sgicodec.fit.schedule import Schedule, evenly, passed
 from sgicodec.fit.seed_set import SeedSet
 from sgicodec.fit.step_sizes import base_counts, flat_steps, rounded_plan
 from sgicodec.model.context import LEVELS, hash_grid
@@ -27,8 +27,9 @@ from sgicodec.model.spec import ModelSpec
 from sgicodec.model.steps import StepPlan, default_plan, quality_index
 from sgicodec.profiles.fit_settings import SLOWED, FitSettings, Phase
 from sgicodec.raster import backend_of
+from sgicodec.raster.cpu import NativeRasterizer
 
-__all__ = ["Fitted", "Progress", "Trainer"]
+__all__ = ["Fitted", "Progress", "Trainer", "due"]
 
 F32 = NDArray[np.float32]
 
@@ -64,8 +65,6 @@ class Trainer:
 
     MLP_p is one of two: `networks`, which ship, or, without them, a new one that trains and turns into integers at the
     end.
-
-    Raises ValueError for a model or a loss that no profile has.
     """
 
     def __init__(
@@ -74,7 +73,6 @@ class Trainer:
         settings: FitSettings,
         target: F32,
         layout: SeedLayout,
-        family: int,
         networks: tuple[IntNetwork, ...] | None = None,
         device: Device = ALL_CORES,
         weights: F32 | None = None,
@@ -85,7 +83,6 @@ class Trainer:
         settings = replace(settings, phases=phases)
         self.spec, self.settings, self.weights, self.device = spec, settings, weights, device
         self.mean_weights = None if weights is None else CellMeans(weights[None])
-        self.schedule = Schedule(phases)
         self.raster = backend_of(device, spec.channels)
         self.levels = levels_of(target, weights, max(phase.level for phase in phases) + 1)
         self.quality = quality_index(settings.lmbda) if settings.quality is None else settings.quality
@@ -99,8 +96,7 @@ class Trainer:
         steps[: sum(base_counts(spec))] -= settings.finer_steps
         self.parameters = Parameters(self.seeds, steps, self.context)
         self.adam = Adam(settings.rates.betas, settings.rates.epsilon, device)
-        how = networks, self.raster, (width, height), family, device
-        self.gradient_step = gradient_step_of(spec, settings, *how)
+        self.gradient_step = self._gradient_step()
         self._place()
         self.step = 0
         self.centred = False
@@ -110,23 +106,34 @@ class Trainer:
         """What fits: the name of the GPU that draws, or the processor."""
         return self.raster.device_name
 
+    def _gradient_step(self) -> GradientStep:
+        """That of the profile: of the paper's, which trains MLP_p, a GPU that draws computes all."""
+        if self.networks is not None:
+            return FusedStep(self.spec, self.settings.seed, self.networks, self.raster, self.device)
+        _, height, width = self.levels[0].samples.shape
+        if isinstance(self.raster, NativeRasterizer):
+            return FeatureStep(self.spec, self.settings, self.raster, (width, height), self.device)
+        from sgicodec.fit.device_feature_step import DeviceFeatureStep
+
+        return DeviceFeatureStep(self.spec, self.settings, self.raster, (width, height))
+
     def iterate(self) -> Iterator[Progress]:
         """Steps one at a time through all phases."""
-        for index, phase in enumerate(self.settings.phases):
+        steps = self.settings.steps
+        for phase in self.settings.phases:
             if phase.rounding == "round":
                 self._fix_steps()
             if phase.rate:
                 self._centre_context()
-            prunes, growths = evenly(phase.prune), evenly(phase.grow)
-            for fraction in self.schedule.within(index):
+            for number in range(1, phase.steps + 1):
                 error, bits = self._step(phase)
                 psnr = -10 * math.log10(max(error / self.levels[phase.level].samples.size, 1e-12))
-                if passed(prunes, fraction):
+                if due(phase.prune, number, phase.steps):
                     self._prune()
-                if passed(growths, fraction):
+                if due(phase.grow, number, phase.steps):
                     self._grow()
                 self.step += 1
-                yield Progress(self.step, self.schedule.steps, len(self.seeds), psnr, bits)
+                yield Progress(self.step, steps, len(self.seeds), psnr, bits)
 
     def _fix_steps(self) -> None:
         """From the round phase on, steps are those that the stream will hold."""
@@ -154,8 +161,8 @@ class Trainer:
 
     def _learning_rate(self, name: str, phase: Phase) -> float:
         rates = self.settings.rates
-        speed = rates.left(name, self.schedule.done)
-        speed *= self.settings.slowing(self.schedule.steps) if name in SLOWED else 1.0
+        speed = rates.left(name, self.step / self.settings.steps)
+        speed *= self.settings.slowing() if name in SLOWED else 1.0
         trains = {"steps": phase.learn_steps, "context": phase.rate}.get(name, True)
         return float(getattr(rates, name) * (speed * trains))
 
@@ -207,3 +214,10 @@ class Trainer:
         if self.context is None:
             return self.networks or (), []
         return (self.context.integers(),), self.context.signs()
+
+
+def due(times: int, number: int, steps: int) -> bool:
+    """Whether what happens so many times in `steps` steps, at even distances, is due after this one, the first being 1;
+    what would be due more than once in a step happens once.
+    """
+    return min(times, number * (times + 1) // steps) > (number - 1) * (times + 1) // steps

@@ -79,8 +79,6 @@ class FitSettings:
     """In their order."""
     rates: LearningRates = field(default_factory=LearningRates)
     """Learning rates."""
-    loss: Literal["squared", "absolute"] = "squared"
-    """What is minimised besides bits."""
     split: float = 3.0
     """A cell of the first layout splits while its squared deviation exceeds so many seeds' worth of rate."""
     prune: float = 1.0
@@ -116,11 +114,11 @@ class FitSettings:
         """Squared deviation that splits a cell, for each unit of λ."""
         return self.split * self.seed_bits
 
-    def slowing(self, steps: int) -> float:
-        """Factor of the learning rates in `SLOWED` for a fit of `steps` steps."""
+    def slowing(self) -> float:
+        """Factor of the learning rates in `SLOWED` for a fit of so many steps."""
         if self.reference_steps is None:
             return 1.0
-        ratio = self.reference_steps / steps
+        ratio = self.reference_steps / self.steps
         return float(ratio**0.5 if ratio < 1 else ratio**0.25)
 
 

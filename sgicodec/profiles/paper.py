@@ -70,7 +70,7 @@ def paper_settings(lmbda: float, levels: int, steps: int) -> FitSettings:
     )
     phases = paper_phases(levels, steps, lmbda > 0)
     finer = 0.0 if lmbda else EXACT_STEPS
-    return FitSettings(lmbda, phases, rates, loss="absolute", rate_sample=0.05, prune=0.0, finer_steps=finer)
+    return FitSettings(lmbda, phases, rates, rate_sample=0.05, prune=0.0, finer_steps=finer)
 
 
 def paper_phases(levels: int, steps: int, priced: bool = True) -> tuple[Phase, ...]:

@@ -79,7 +79,6 @@ def fit(prepared: Prepared) -> TileState:
         settings,
         prepared.target,
         layout,
-        tile.header.family,
         _networks(tile),
         device=tile.device,
         weights=prepared.weights,

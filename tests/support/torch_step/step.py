@@ -100,10 +100,12 @@ class AutogradStep:
         key: NoiseKey,
     ) -> tuple[Tensor, float]:
         """The loss, and the squared error without weights. side: bits of what all seeds share."""
-        target, kind = torch.from_numpy(level.samples), self.settings.loss
-        weight = 1.0 / target.numel() if kind == "absolute" else 1.0
-        loss, squared = error(gaussians, target, self.raster, kind, weight, level.weights)
-        price = lmbda / (len(sample.bits) * self.spec.attributes) if kind == "absolute" else lmbda
+        target, price = torch.from_numpy(level.samples), lmbda
+        kind: tuple[Loss, float] = "squared", 1.0
+        if not self.spec.plain:
+            kind = "absolute", 1.0 / target.numel()
+            price /= len(sample.bits) * self.spec.attributes
+        loss, squared = error(gaussians, target, self.raster, *kind, level.weights)
         if lmbda:
             loss = loss + price * (self._sampled_bits(sample, key) + side)
         return loss, squared

@@ -13,18 +13,17 @@ from sgicodec.device import ONE_THREAD, Device
 from sgicodec.fit.context_weights import ContextWeights
 from sgicodec.fit.device_feature_step import DeviceFeatureStep
 from sgicodec.fit.feature_step import FeatureStep
-from sgicodec.fit.gradient_steps import gradient_step_of
 from sgicodec.fit.parameters import Parameters, StepResult
 from sgicodec.fit.pyramid import levels_of
 from sgicodec.fit.seed_set import SeedSet
 from sgicodec.fit.step_sizes import flat_steps
+from sgicodec.fit.trainer import Trainer
 from sgicodec.model.context import hash_grid
 from sgicodec.model.layout import uniform_layout
 from sgicodec.model.spec import ModelSpec
 from sgicodec.model.steps import default_plan
 from sgicodec.profiles.fit_settings import FitSettings, Rounding
 from sgicodec.profiles.paper import paper_settings, paper_spec
-from sgicodec.raster import backend_of
 from sgicodec.raster.cpu import NativeRasterizer
 from sgicodec.raster.cuda import CudaRasterizer
 from tests.support.torch_step.step import AutogradStep
@@ -122,8 +121,9 @@ def test_a_fit_is_on_the_gpu_that_was_asked_for(monkeypatch: pytest.MonkeyPatch)
     """But for five channels, which its kernels do not have."""
     settings, device = paper_settings(LMBDA, 3, 500), only_gpu(monkeypatch)
     for spec, expected in ((SPEC, DeviceFeatureStep), (paper_spec(5), FeatureStep)):
-        raster = backend_of(device, spec.channels)
-        assert type(gradient_step_of(spec, settings, None, raster, (9, 9), 0, device)) is expected
+        layout = uniform_layout(9, 9, 4, np.random.default_rng(0))
+        trainer = Trainer(spec, settings, np.zeros((spec.channels, 9, 9), np.float32), layout, device=device)
+        assert type(trainer.gradient_step) is expected
 
 
 def equal(found: StepResult, expected: StepResult) -> None:

@@ -1,21 +1,20 @@
-"""What a fit does from step to step, seen on a picture of a few seeds; how its steps are counted, and what is due."""
+"""What a fit does from step to step, seen on a picture of a few seeds; what is due in which."""
 
 import math
 from collections import deque
+from fractions import Fraction
 
 import numpy as np
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from sgicodec.bitstream.parts.prior import load_prior
 from sgicodec.fit.noise import NoiseKey
-from sgicodec.fit.schedule import Schedule, evenly, passed
-from sgicodec.fit.trainer import Trainer
+from sgicodec.fit.trainer import Trainer, due
 from sgicodec.model.layout import adaptive_layout
 from sgicodec.profiles.default import default_settings, default_spec
-from sgicodec.profiles.fit_settings import FitSettings, Phase
+from sgicodec.profiles.fit_settings import FitSettings
 
 
 def small_fit(settings: FitSettings, weights: NDArray[np.float32] | None = None, side: int = 1) -> Trainer:
@@ -23,7 +22,7 @@ def small_fit(settings: FitSettings, weights: NDArray[np.float32] | None = None,
     spec = default_spec(3)
     squares = np.random.default_rng(5).normal(size=(3, 48 // side, 64 // side)).astype(np.float32)
     target = 0.1 * squares.repeat(side, axis=1).repeat(side, axis=2)
-    return Trainer(spec, settings, target, adaptive_layout(target, 2.0), 1, load_prior(spec), weights=weights)
+    return Trainer(spec, settings, target, adaptive_layout(target, 2.0), load_prior(spec), weights=weights)
 
 
 def test_every_second_step_mirrors_the_noise_before() -> None:
@@ -49,26 +48,7 @@ def test_weights_move_seeds_to_where_errors_count() -> None:
     assert shares[1] > shares[0] + 0.1
 
 
-@given(st.lists(st.integers(1, 9), min_size=1, max_size=4))
-def test_counted_steps(counts: list[int]) -> None:
-    schedule = Schedule(tuple(Phase(count) for count in counts))
-    number = 0
-    for index, count in enumerate(counts):
-        fractions = []
-        for fraction in schedule.within(index):
-            assert schedule.done == pytest.approx(number / sum(counts))
-            assert schedule.steps == sum(counts)
-            number += 1
-            fractions.append(fraction)
-        assert fractions == [(i + 1) / count for i in range(count)]
-    assert schedule.done == 1.0
-
-
-@given(st.lists(st.integers(1, 9), min_size=1, max_size=4), st.integers(0, 12))
-def test_what_happens_evenly_is_due_once_each_unless_steps_are_too_few(counts: list[int], times: int) -> None:
-    schedule = Schedule(tuple(Phase(count) for count in counts))
-    for index, count in enumerate(counts):
-        left = evenly(times)
-        due = [fraction for fraction in schedule.within(index) if passed(left, fraction)]
-        assert due == sorted({math.ceil((i + 1) / (times + 1) * count - 1e-9) / count for i in range(times)})
-        assert left == []
+@given(st.integers(1, 40), st.integers(0, 12))
+def test_what_happens_evenly_is_due_once_each_unless_steps_are_too_few(steps: int, times: int) -> None:
+    found = [number for number in range(1, steps + 1) if due(times, number, steps)]
+    assert found == sorted({math.ceil(Fraction((i + 1) * steps, times + 1)) for i in range(times)})
