@@ -107,7 +107,7 @@ class Plan:
     def at(self, lmbda: float) -> Plan:
         """The same for tiles that are fitted at λ, whatever the target."""
         header = replace(self.header, quality=quality_index(lmbda))
-        return replace(self, header=header, settings=self.settings.at_lmbda(lmbda))
+        return replace(self, header=header, settings=self.settings.without_target(lmbda=lmbda))
 
 
 def check_clipped(shape: Shape) -> None:

@@ -187,10 +187,6 @@ class EncodeSettings:
         none: dict[str, Any] = dict.fromkeys(TARGETS)
         return replace(self, **none, **changes)
 
-    def at_lmbda(self, lmbda: float, **changes: Any) -> EncodeSettings:
-        """The same at λ without a target, and with other changes."""
-        return self.without_target(lmbda=lmbda, **changes)
-
     def __post_init__(self) -> None:
         for name, kind in self.__annotations__.items():
             value, needed = getattr(self, name), _KINDS.get(kind.removesuffix(" | None").partition("[")[0])

@@ -5,6 +5,6 @@ all other seeds in it, and the bits as coded say that it pays. docs/notes/2026-1
 """
 
 from sgicodec.rdoq.coordinate_descent import RdoqSettings, searched
-from sgicodec.rdoq.objective import Objective, can_optimise
+from sgicodec.rdoq.objective import Objective
 
-__all__ = ["Objective", "RdoqSettings", "can_optimise", "searched"]
+__all__ = ["Objective", "RdoqSettings", "searched"]

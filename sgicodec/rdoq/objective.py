@@ -16,17 +16,10 @@ from sgicodec.model.gaussians import model_gaussians
 from sgicodec.model.spec import ModelSpec
 from sgicodec.raster.cpu import NativeRasterizer
 
-__all__ = ["Objective", "can_optimise", "joined", "with_values"]
+__all__ = ["Objective", "joined", "with_values"]
 
 F32 = NDArray[np.float32]
 F64 = NDArray[np.float64]
-
-
-def can_optimise(spec: ModelSpec) -> bool:
-    """Whether RDOQ knows this kind of model: one Gaussian per seed, rendered as its colour, shape and offset say and
-    coded in three steps from what neighbours say.
-    """
-    return spec.plain
 
 
 @dataclass(frozen=True)

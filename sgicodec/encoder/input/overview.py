@@ -48,7 +48,9 @@ def overview_settings(plan: Plan, lmbda: float) -> EncodeSettings:
     tiles = {"tile": plan.header.tile, "apron": plan.header.apron, "overview": False}
     if plan.settings.max_error is not None:  # below which there may be next to nothing
         lmbda = min(lmbda, lmbda_of_quality(plan.settings.chosen_quality))
-    return plan.settings.at_lmbda(lmbda / _FINER, metadata=False, max_error=None, network=None, prior=None, **tiles)
+    return plan.settings.without_target(
+        lmbda=lmbda / _FINER, metadata=False, max_error=None, network=None, prior=None, **tiles
+    )
 
 
 def overview_picture(plan: Plan, read: Callable[[int, int, int, int], Picture]) -> Picture:

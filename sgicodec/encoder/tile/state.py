@@ -26,7 +26,7 @@ from sgicodec.model.spec import ModelSpec
 from sgicodec.model.texture_symbols import LAPPED, TextureGrid, TextureSteps, TextureSymbols
 from sgicodec.picture import Picture
 from sgicodec.profiles.fit_settings import FitSettings
-from sgicodec.rdoq import Objective, can_optimise
+from sgicodec.rdoq import Objective
 from sgicodec.rdoq.texture import TextureSearch, colours_for
 
 if TYPE_CHECKING:
@@ -137,7 +137,7 @@ class Tile:
     @property
     def has_rdoq(self) -> bool:
         """Whether RDOQ follows the fit."""
-        return self.settings.rdoq and self.effort.rdoq.passes > 0 and can_optimise(self.spec)
+        return self.settings.rdoq and self.effort.rdoq.passes > 0 and self.spec.plain
 
     @property
     def texture_lmbda(self) -> float:

@@ -14,7 +14,7 @@ from typing import Any
 from sgicodec.bitstream.header import encode_header
 from sgicodec.encoder.plan import Plan
 from sgicodec.encoder.tile.writing import EncodedTile
-from sgicodec.encoder.tiles.store import Store, Value, Version
+from sgicodec.encoder.tiles.store import Store, Version
 from sgicodec.errors import OutputExistsError, PictureError, StreamError, UsageError
 from sgicodec.files.lock import locked
 
@@ -101,13 +101,13 @@ class Checkpoint(Store):
             raise StreamError(f"{self.path}: tile {version.tile} changed on the disk; run again with --resume")
         return bytes(payload)
 
-    def cached(self, name: str, make: Callable[[], Value]) -> Value:
+    def cached(self, name: str, make: Callable[[], bytes]) -> bytes:
         """As in `Store`."""
         if name not in self._values:
             value = make()
             self._database.execute("INSERT OR REPLACE INTO cached VALUES (?, ?, ?)", (name, value, _crc(name, value)))
             self._values[name] = value
-        return self._values[name]  # type: ignore[return-value]
+        return self._values[name]
 
     def _load(self, mark: bytes) -> None:
         import sqlite3

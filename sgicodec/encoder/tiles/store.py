@@ -4,14 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import NamedTuple, TypeVar
+from typing import NamedTuple
 
 from sgicodec.encoder.tile.writing import EncodedTile
 
-__all__ = ["Store", "Value", "Version"]
-
-
-Value = TypeVar("Value", bytes, float)
+__all__ = ["Store", "Version"]
 
 
 class Version(NamedTuple):
@@ -26,7 +23,7 @@ class Store:
 
     def __init__(self) -> None:
         self.tiles: dict[Version, EncodedTile] = {}
-        self._values: dict[str, bytes | float] = {}
+        self._values: dict[str, bytes] = {}
 
     @contextmanager
     def opened(self, fingerprint: Callable[[], bytes]) -> Iterator[Store]:
@@ -41,8 +38,8 @@ class Store:
         """That of a kept tile."""
         return self.tiles[version].payload
 
-    def cached(self, name: str, make: Callable[[], Value]) -> Value:
+    def cached(self, name: str, make: Callable[[], bytes]) -> bytes:
         """The value under a name, else what is made now, which is kept."""
         if name not in self._values:
             self._values[name] = make()
-        return self._values[name]  # type: ignore[return-value]
+        return self._values[name]

@@ -11,11 +11,8 @@ from sgicodec.bitstream.header import encode_header
 from sgicodec.bitstream.parts.tile import TileModel, write_tile
 from sgicodec.decoder.stream import open_stream
 from sgicodec.model.colours import to_channels
-from sgicodec.model.spec import ModelSpec
 from sgicodec.picture import to_unit
-from sgicodec.profiles.default import default_spec
-from sgicodec.profiles.paper import paper_spec
-from sgicodec.rdoq import Objective, can_optimise
+from sgicodec.rdoq import Objective
 
 
 def stream_of(objective: Objective, model: TileModel) -> bytes:
@@ -32,19 +29,6 @@ def test_what_is_left_is_what_the_stream_leaves(channels: int) -> None:
     found = objective.decoded_residual(model)
     np.testing.assert_allclose(found[:, :, : left.shape[2]], left, atol=1e-5)
     assert not found[:, :, left.shape[2] :].any()
-
-
-@pytest.mark.parametrize(
-    ("spec", "known"),
-    [
-        (default_spec(3), True),
-        (default_spec(1), True),
-        (default_spec(64), True),
-        (paper_spec(3), False),
-    ],
-)
-def test_which_models_it_knows(spec: ModelSpec, known: bool) -> None:
-    assert can_optimise(spec) == known
 
 
 def test_streams_cost_less() -> None:
