@@ -2,7 +2,7 @@
 # Makes a wheel for Linux on aarch64 by Debian's cross compiler, and decodes golden streams with it under qemu:
 #   packaging/aarch64.sh SOURCE FOLDER PYTHON
 # PYTHON must be Debian's own: the headers and the interpreter for aarch64 are taken from Debian, too, into a folder of
-# their own. constriction has no wheel for aarch64, so only decoding is tried.
+# their own. Only decoding is tried.
 set -euo pipefail
 source=$(realpath "$1") folder=$(realpath "$2") python=$3
 root=$(realpath "$(dirname "$0")/..")

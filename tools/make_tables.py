@@ -16,10 +16,13 @@ import click
 import mpmath  # type: ignore[import-untyped]
 import numpy as np
 
-from sgicodec.bitstream.entropy.tables import FAMILIES, SCALES, TOTAL
-
 __all__ = ["SURVIVAL", "main", "make_tables"]
 
+FAMILIES = ("gaussian", "laplace")
+SCALES = 64
+"""Of a family; scale i stands for σ = 2^((i − 24) / 6) steps."""
+TOTAL = 1 << 24
+"""Sum of every table's frequencies."""
 MAX_SUPPORT = 511
 TAIL = mpmath.mpf(2) ** -18
 
@@ -66,7 +69,7 @@ def make_table(survival: Survival, sigma: mpmath.mpf) -> list[int]:
 
 
 def make_tables(families: tuple[str, ...] = FAMILIES) -> bytes:
-    """The bytes of `tables.bin` (layout: `frequency_tables` in bitstream/entropy/tables.py)."""
+    """The bytes of `tables.bin` (layout: docs/format.md, "Zero-centred tables")."""
     with mpmath.workdps(40):
         tables = [
             make_table(SURVIVAL[family], mpmath.mpf(2) ** (mpmath.mpf(i - 24) / 6))

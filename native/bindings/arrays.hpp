@@ -27,6 +27,10 @@ inline Bytes bytes_of(const nanobind::bytes &given) {
   return {static_cast<const uint8_t *>(given.data()), given.size()};
 }
 
+inline nanobind::bytes as_bytes(const std::vector<uint8_t> &bytes) {
+  return nanobind::bytes(bytes.data(), bytes.size());
+}
+
 template <class A>
 bool has_shape(const A &array, size_t rows, size_t columns) {
   return array.shape(0) == rows && array.shape(1) == columns;

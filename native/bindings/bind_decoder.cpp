@@ -17,6 +17,7 @@
 
 namespace nb = nanobind;
 using namespace nb::literals;
+using sgi::as_bytes;
 using sgi::require;
 
 namespace {
@@ -59,8 +60,6 @@ void open(sgi::Stream *self, const nb::object &source, int threads, const std::s
   const nb::gil_scoped_release release;
   new (self) sgi::Stream(std::move(bytes), settings);
 }
-
-nb::bytes as_bytes(const std::vector<uint8_t> &bytes) { return nb::bytes(bytes.data(), bytes.size()); }
 
 nb::dict blobs(const sgi::Stream &self) {
   nb::dict found;

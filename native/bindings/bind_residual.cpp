@@ -1,4 +1,3 @@
-#include <nanobind/stl/pair.h>
 #include <nanobind/stl/tuple.h>
 
 #include <array>
@@ -14,7 +13,6 @@
 namespace nb = nanobind;
 using namespace nb::literals;
 using sgi::Array;
-using sgi::as_array;
 using sgi::bytes_of;
 using sgi::require;
 
@@ -22,7 +20,7 @@ namespace {
 
 using Samples = Array<const float, 3>;
 
-// Bits of a block, their P(1) in 2^-16, the CRC-32 of what a reader finds.
+// The bytes of a block, the CRC-32 of what a reader finds, information content.
 auto code_residual(Samples samples, Samples drawn, nb::bytes header, nb::bytes form, Array<const uint8_t, 1> cells) {
   for (size_t axis = 0; axis < 3; ++axis)
     require(samples.shape(axis) == drawn.shape(axis), "samples and drawn have one shape");
@@ -36,22 +34,23 @@ auto code_residual(Samples samples, Samples drawn, nb::bytes header, nb::bytes f
   sgi::ResidualSamples found{{samples.data(), samples.data() + samples.size()},
                              {cells.data(), cells.data() + cells.size()}};
   const sgi::Isa isa = sgi::choose_isa("auto");
-  sgi::BitRecorder bits;
+  sgi::RangeEncoder encoder;
   {
     const nb::gil_scoped_release release;
-    sgi::record_residual(block, isa, found, bits);
+    sgi::encode_residual(block, isa, found, encoder);
   }
   const std::vector<float> &read = found.samples;
   const uint32_t crc = sgi::crc32({reinterpret_cast<const uint8_t *>(read.data()), sizeof(float) * read.size()});
-  return std::tuple(as_array(std::move(bits.bits)), as_array(std::move(bits.ones)), crc);
+  const double bits = encoder.content();
+  return std::tuple(sgi::as_bytes(encoder.finish()), crc, bits);
 }
 
-// Bits of the table of a grid, and their P(1) in 2^-16.
+// The bytes of the table of a grid.
 auto code_table(bool is_float, double base, double step, int32_t most, Array<const float, 1> table) {
   sgi::ResidualGrid grid{base, step, most, 0, {table.data(), table.data() + table.size()}};
-  sgi::BitRecorder bits;
-  sgi::code_table(bits, is_float, grid);
-  return std::pair(as_array(std::move(bits.bits)), as_array(std::move(bits.ones)));
+  sgi::RangeEncoder encoder;
+  sgi::code_table(encoder, is_float, grid);
+  return sgi::as_bytes(encoder.finish());
 }
 
 }  // namespace
@@ -63,9 +62,9 @@ void bind_residual(nb::module_ &m) {
   m.attr("MAX_TABLE_STEPS") = sgi::kMaxTableSteps;
   m.attr("MAX_PALETTE") = sgi::kMaxColours;
   m.def("code_residual", &code_residual, "samples"_a, "drawn"_a, "header"_a, "form"_a, "cells"_a,
-        "Bits of a block [h, w, C] of a residual layer that begins with `form`, their P(1) in 2^-16, the CRC-32 of the "
-        "samples that a reader finds. cells: 1 for those that are coded, row by row; all where the form has no cells.");
+        "The bytes of a block [h, w, C] of a residual layer that begins with `form`, the CRC-32 of the samples that a "
+        "reader finds, and its information content. cells: 1 for those that are coded, row by row; all where the form "
+        "has no cells.");
   m.def("code_table", &code_table, "is_float"_a, "base"_a, "step"_a, "most"_a, "table"_a,
-        "Bits of a table of rising samples [n], floats or those that occur of base + step * (0 ... most), and their "
-        "P(1) in 2^-16.");
+        "The bytes of a table of rising samples [n], floats or those that occur of base + step * (0 ... most).");
 }

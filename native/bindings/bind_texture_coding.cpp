@@ -55,7 +55,9 @@ void require_tree(const TextureField &field) {
     }
 }
 
-TextureField field_of(const LogSizes &log_size, const Contrasts &contrast, const SymbolPlanes &symbols) {
+}  // namespace
+
+TextureField sgi::field_of(const LogSizes &log_size, const Contrasts &contrast, const SymbolPlanes &symbols) {
   const int64_t down = int64_t(contrast.shape(0)), across = int64_t(contrast.shape(1));
   require(has_shape(log_size, size_t(down * 4), size_t(across * 4)) && symbols.shape(1) == size_t(down * 32) &&
               symbols.shape(2) == size_t(across * 32) && symbols.shape(0) >= 1 && symbols.shape(0) <= 64,
@@ -69,6 +71,16 @@ TextureField field_of(const LogSizes &log_size, const Contrasts &contrast, const
     require(std::abs(int(index)) <= sgi::kContrastLimit, "contrasts must be -15..15");
   return field;
 }
+
+sgi::TextureGrid sgi::grid_of(TextureGridFields given) {
+  const auto [separate, left, top] = given;
+  require(left >= 0 && top >= 0 && left < sgi::kTextureGridSteps && top < sgi::kTextureGridSteps &&
+              (separate || (left == 0 && top == 0)),
+          "a grid begins 0 to 7 pixels before the tile, with it where cells lap over");
+  return {separate, left, top};
+}
+
+namespace {
 
 void require_field(const TextureField &field, Size size) {
   require(field.width == sgi::texture_roots(size.first) * 32 && field.height == sgi::texture_roots(size.second) * 32,
@@ -112,23 +124,10 @@ class TextureModels {
   auto logits() const { return as_array(models_.logits()); }
 
   void learn(LogSizes log_size, Contrasts contrast, SymbolPlanes symbols, Size size, bool has_contrast) {
-    const TextureField field = field_of(log_size, contrast, symbols);
+    const TextureField field = sgi::field_of(log_size, contrast, symbols);
     require_field(field, size);
-    sgi::write_texture(models_, field, size.first, size.second, has_contrast);
-  }
-
-  auto write(LogSizes log_size, Contrasts contrast, SymbolPlanes symbols, Size size, bool has_contrast) const {
-    const TextureField field = field_of(log_size, contrast, symbols);
-    require_field(field, size);
-    BitModels models = models_;
-    sgi::TextureBits written = sgi::write_texture(models, field, size.first, size.second, has_contrast);
-    require(
-        written.complete,
-        "a layer has cells; all begin inside the tile and have symbols, up to 16390 either way; there are no others; "
-        "contrasts are where there is texture");
-    const double content = written.bits.account.total();
-    return std::tuple(as_array(std::move(written.bits.bits)), as_array(std::move(written.bits.ones)),
-                      as_array(std::move(written.symbols)), content);
+    sgi::BitTaker nowhere;
+    sgi::write_texture(models_, nowhere, field, size.first, size.second, has_contrast);
   }
 
   auto search(const sgi::TextureAmplitudes &amplitudes, Contrasts contrast, Array<const float, 1> steps,
@@ -149,17 +148,6 @@ class TextureModels {
  private:
   BitModels models_;
 };
-
-// Whether cells are separate, and the pixels of the first ones that lie before the tile.
-using Grid = std::tuple<bool, int, int>;
-
-sgi::TextureGrid grid_of(Grid given) {
-  const auto [separate, left, top] = given;
-  require(left >= 0 && top >= 0 && left < sgi::kTextureGridSteps && top < sgi::kTextureGridSteps &&
-              (separate || (left == 0 && top == 0)),
-          "a grid begins 0 to 7 pixels before the tile, with it where cells lap over");
-  return {separate, left, top};
-}
 
 void require_planes(Array<const float, 3> planes, Size size) {
   require_size(size, planes.shape(0));
@@ -220,16 +208,16 @@ double estimate_texture(const sgi::TextureAmplitudes &amplitudes, Contrasts cont
 }
 
 void draw_texture(LogSizes log_size, Contrasts contrast, SymbolPlanes symbols, Array<const float, 1> steps,
-                  std::pair<float, float> slope, std::array<float, 3> excess, Colours colours, Grid indices,
-                  int threads, const std::string &isa, Array<float, 3> planes) {
+                  std::pair<float, float> slope, std::array<float, 3> excess, Colours colours,
+                  sgi::TextureGridFields indices, int threads, const std::string &isa, Array<float, 3> planes) {
   const size_t channels = symbols.shape(0);
   require(steps.size() == channels && planes.shape(0) == channels, "steps [C], planes [C, h, w]");
   const int64_t height = int64_t(planes.shape(1)), width = int64_t(planes.shape(2));
   require_size({width, height}, channels);
   const sgi::TextureColours mixed = colours_of(colours, channels);
   const sgi::TextureSteps all = steps_of(steps, slope);
-  const sgi::TextureGrid grid = grid_of(indices);
-  TextureField field = field_of(log_size, contrast, symbols);
+  const sgi::TextureGrid grid = sgi::grid_of(indices);
+  TextureField field = sgi::field_of(log_size, contrast, symbols);
   require_field(field, grid.layer_sides(width, height));
   const nb::gil_scoped_release release;
   field.find_extents();
@@ -252,8 +240,6 @@ void bind_texture_coding(nb::module_ &m) {
           "Those with which every layer begins.")
       .def("logits", &TextureModels::logits, "What each context says, in 2^-16.")
       .def("learn", &TextureModels::learn, "log_size"_a, "contrast"_a, "symbols"_a, "size"_a, "has_contrast"_a)
-      .def("write", &TextureModels::write, "log_size"_a, "contrast"_a, "symbols"_a, "size"_a, "has_contrast"_a,
-           "Bits, their P(1) in 2^-16, all symbols in coding order, information content.")
       .def("search", &TextureModels::search, "amplitudes"_a, "contrast"_a, "steps"_a, "slope"_a, "lmbda"_a,
            "has_contrast"_a, "split_margin"_a, "division"_a.none(),
            "log_size, contrast and symbols; by magnitude 1, 2 and more the symbols and the sum of their excess.");

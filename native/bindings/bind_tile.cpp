@@ -1,4 +1,5 @@
 #include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>
 
@@ -10,6 +11,7 @@
 #include "bindings/arrays.hpp"
 #include "bindings/bindings.hpp"
 #include "bindings/textures.hpp"
+#include "bindings/tile_models.hpp"
 #include "bitstream/limits.hpp"
 #include "bitstream/shipped_networks.hpp"
 #include "bitstream/tile.hpp"
@@ -18,6 +20,7 @@ namespace nb = nanobind;
 using namespace nb::literals;
 using sgi::Array;
 using sgi::bytes_of;
+using sgi::kGroupNames;
 using sgi::require;
 
 namespace {
@@ -25,7 +28,6 @@ namespace {
 constexpr const char *kPartNames[sgi::kParts] = {"steps",         "base",        "positions", "decoders", "hash grid",
                                                  "context model", "colour",      "shape",     "feature",  "scales",
                                                  "offset",        "restoration", "texture",   "check"};
-constexpr const char *kGroupNames[] = {"colour", "shape", "feature", "scales", "offset"};
 
 // A tile's model and what it was read with, which tells the shapes of its arrays.
 struct ReadTile {
@@ -124,11 +126,23 @@ auto restoration_of(const ReadTile &tile) {
 
 using Bits = nb::typed<nb::dict, nb::str, double>;
 
-Bits bits_of(const ReadTile &tile) {
+Bits bits_of(const sgi::TileModel &model) {
   nb::dict bits;
   for (size_t part = 0; part < sgi::kParts; ++part)
-    if (tile.model.end.bits[part] > 0) bits[kPartNames[part]] = tile.model.end.bits[part];
+    if (model.end.bits[part] > 0) bits[kPartNames[part]] = model.end.bits[part];
   return nb::borrow<Bits>(bits);
+}
+
+auto write_tile(const nb::bytes &fields, nb::handle given) {
+  const sgi::Header header = sgi::decode_header(bytes_of(fields));
+  sgi::TileModel model = sgi::tile_model_of(header, given);
+  const std::vector<double> values = sgi::attributes_of(header, given);
+  std::vector<uint8_t> payload;
+  {
+    const nb::gil_scoped_release release;
+    payload = sgi::write_tile(header, model, values.data(), {1, sgi::choose_isa("auto")});
+  }
+  return std::pair(sgi::as_bytes(payload), bits_of(model));
 }
 
 using Pixels = Array<const int64_t, 1>;
@@ -196,7 +210,9 @@ void bind_tile_model(nb::module_ &m) {
                    "Steps, log_size, contrast and symbols of the layer; None for none.")
       .def_prop_ro("restoration", &restoration_of, nb::rv_policy::move,
                    "Numbers of network and step, and by layer what is added to it; None for none.")
-      .def_prop_ro("bits", &bits_of, "Information content of the parts, by name.")
+      .def_prop_ro(
+          "bits", [](const ReadTile &tile) { return bits_of(tile.model); },
+          "Information content of the parts, by name.")
       .def_prop_ro(
           "crc", [](const ReadTile &tile) { return tile.model.end.symbol_crc; },
           "CRC-32 of all symbols: equal on every machine.");
@@ -210,14 +226,6 @@ void bind_limits(nb::module_ &m) {
         sgi::check_model(own.spec, own.width, own.height);
       },
       "header"_a, "Raises LimitError for a tile of this header that would be refused whatever it holds.");
-  m.def(
-      "max_seeds",
-      [](const nb::bytes &header, int64_t payload_bytes) {
-        require(payload_bytes >= 0 && payload_bytes < int64_t(1) << 40, "a payload of 0 to 2**40 bytes");
-        const sgi::Header own = sgi::decode_header(bytes_of(header));
-        return sgi::max_seeds(own.spec, own.width, own.height, payload_bytes);
-      },
-      "header"_a, "payload_bytes"_a, "The most seeds that a tile may have, given the bytes of its payload.");
   m.def(
       "check_texture",
       [](int channels, int64_t width, int64_t height) {
@@ -236,6 +244,8 @@ void bind_tile(nb::module_ &m) {
   m.def("read_tile", &read_tile, "header"_a, "payload"_a, "threads"_a, "isa"_a, "checked"_a = true,
         "The model of a payload; `header` is the payload of chunk H that the tile would have as a picture of its own.\n"
         "Without `checked` the checksum of symbols is not compared.");
+  m.def("write_tile", &write_tile, "header"_a, "model"_a,
+        "The payload of a TileModel, and the information content of its parts, by name.");
   m.attr("PRIOR") = sgi::kPrior;
   m.def("load_prior", &load_prior, "header"_a, nb::rv_policy::move,
         "The networks of the prior that a header names, as TileModel.networks.");

@@ -15,7 +15,7 @@ void bind_model(nanobind::module_ &m);
 void bind_raster(nanobind::module_ &m);
 void bind_rdoq(nanobind::module_ &m);
 void bind_stream_reader(nanobind::module_ &m);
-void bind_symbol_reader(nanobind::module_ &m);
+void bind_symbol_coder(nanobind::module_ &m);
 void bind_restoration(nanobind::module_ &m);
 void bind_residual(nanobind::module_ &m);
 void bind_texture_coding(nanobind::module_ &m);

@@ -14,6 +14,14 @@
 
 namespace sgi {
 
+// A layer from its arrays, whose cells fill their places. Raises ValueError.
+TextureField field_of(const Array<const uint8_t, 2> &log_size, const Array<const int8_t, 2> &contrast,
+                      const Array<const int16_t, 3> &symbols);
+
+// Whether cells are separate, and the pixels of the first ones that lie before the tile.
+using TextureGridFields = std::tuple<bool, int, int>;
+TextureGrid grid_of(TextureGridFields given);
+
 // log_size, contrast and symbols of a layer.
 inline auto field_arrays(TextureField field) {
   const auto down = size_t(field.height), across = size_t(field.width), channels = size_t(field.channels);

@@ -1,7 +1,6 @@
 #include "bitstream/arrays.hpp"
 
 #include <cstdlib>
-#include <numeric>
 #include <string>
 
 #include "base/error.hpp"
@@ -21,56 +20,54 @@ int64_t base_prediction(const int64_t *plane, int64_t columns, int64_t x, int64_
 
 }  // namespace
 
-std::vector<int64_t> read_weights(SymbolReader &reader, int64_t count) {
-  const int table = reader.number(kTableBits);
-  const std::vector<int32_t> symbols = reader.zero_centred(table, count);
-  return {symbols.begin(), symbols.end()};
+template <class Coder>
+void code_weights(Coder &coder, std::vector<int64_t> &weights) {
+  std::vector<int32_t> symbols(weights.begin(), weights.end());
+  int table = Coder::kReads ? 0 : frequency_tables().best(symbols);
+  coder.number(kTableBits, table);
+  const std::vector<int16_t> tables(weights.size(), int16_t(table));
+  coder.zero_centred(tables.data(), int64_t(weights.size()), symbols.data());
+  weights.assign(symbols.begin(), symbols.end());
 }
 
-namespace {
-
-template <class Bits>
-void code_signs(Bits &bits, const std::vector<int64_t> &counts, std::vector<int32_t> &signs) {
-  auto sign = signs.begin();
+template <class Coder>
+void code_signs(Coder &coder, const std::vector<int64_t> &counts, std::vector<uint8_t> &signs) {
+  std::vector<int32_t> bits(signs.begin(), signs.end());
+  auto sign = bits.begin();
   for (const int64_t count : counts) {
     BitModel model;
-    for (int64_t i = 0; i < count; ++i) code_bit(bits, model, kQuick, *sign++);
+    for (int64_t i = 0; i < count; ++i) code_bit(coder.range(), model, kQuick, *sign++);
   }
+  coder.record(bits.data(), int64_t(bits.size()));
+  signs.assign(bits.begin(), bits.end());
 }
 
-}  // namespace
-
-std::vector<uint8_t> read_signs(SymbolReader &reader, const std::vector<int64_t> &counts) {
-  std::vector<int32_t> signs(size_t(std::accumulate(counts.begin(), counts.end(), int64_t(0))));
-  BitReader bits(reader.decoder());
-  code_signs(bits, counts, signs);
-  reader.record(signs.data(), int64_t(signs.size()));
-  return {signs.begin(), signs.end()};
-}
-
-BitRecorder write_signs(std::vector<int32_t> signs, const std::vector<int64_t> &counts) {
-  BitRecorder bits;
-  code_signs(bits, counts, signs);
-  return bits;
-}
-
-std::vector<int64_t> read_base(SymbolReader &reader, int channels, int64_t rows, int64_t columns) {
-  std::vector<int64_t> base;
-  base.reserve(size_t(channels * rows * columns));
-  for (int channel = 0; channel < channels; ++channel) {
-    const std::vector<int64_t> errors = read_weights(reader, rows * columns);
-    base.insert(base.end(), errors.begin(), errors.end());
-    int64_t *const plane = base.data() + channel * rows * columns;
+template <class Coder>
+void code_base(Coder &coder, int channels, int64_t rows, int64_t columns, std::vector<int64_t> &planes) {
+  std::vector<int64_t> errors(size_t(rows * columns));
+  const auto each = [&](int64_t *plane, auto visit) {
     for (int64_t y = 0; y < rows; ++y)
-      for (int64_t x = 0; x < columns; ++x) {
-        int64_t &value = plane[y * columns + x];
-        value += base_prediction(plane, columns, x, y);
-        if (std::abs(value) > kMaxMagnitude)
-          throw Error(Fault::corrupt,
-                      "base layer: a value exceeds ±" + std::to_string(kMaxMagnitude) + "; the stream is damaged");
-      }
+      for (int64_t x = 0; x < columns; ++x)
+        visit(plane[y * columns + x], errors[size_t(y * columns + x)], base_prediction(plane, columns, x, y));
+  };
+  for (int channel = 0; channel < channels; ++channel) {
+    int64_t *const plane = planes.data() + channel * rows * columns;
+    each(plane, [](int64_t value, int64_t &error, int64_t prediction) { error = value - prediction; });
+    code_weights(coder, errors);
+    each(plane, [](int64_t &value, int64_t error, int64_t prediction) {
+      value = error + prediction;
+      if (std::abs(value) > kMaxMagnitude)
+        throw Error(Fault::corrupt,
+                    "base layer: a value exceeds ±" + std::to_string(kMaxMagnitude) + "; the stream is damaged");
+    });
   }
-  return base;
 }
+
+template void code_weights(SymbolReader &coder, std::vector<int64_t> &weights);
+template void code_weights(SymbolWriter &coder, std::vector<int64_t> &weights);
+template void code_signs(SymbolReader &coder, const std::vector<int64_t> &counts, std::vector<uint8_t> &signs);
+template void code_signs(SymbolWriter &coder, const std::vector<int64_t> &counts, std::vector<uint8_t> &signs);
+template void code_base(SymbolReader &coder, int channels, int64_t rows, int64_t columns, std::vector<int64_t> &planes);
+template void code_base(SymbolWriter &coder, int channels, int64_t rows, int64_t columns, std::vector<int64_t> &planes);
 
 }  // namespace sgi

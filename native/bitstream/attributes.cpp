@@ -1,10 +1,12 @@
 #include "bitstream/attributes.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <future>
 #include <iterator>
 
 #include "base/thread_pool.hpp"
+#include "bitstream/frequency_tables.hpp"
 #include "model/coding_passes.hpp"
 #include "model/neighbours.hpp"
 
@@ -223,6 +225,23 @@ std::vector<std::vector<int32_t>> neighbours_by_pass(const TileSeeds &seeds, int
   std::vector<std::vector<int32_t>> found;
   for (size_t pass = 0; pass < seeds.passes.size(); ++pass) found.push_back(neighbours.next());
   return found;
+}
+
+AttributeSymbols nearest_symbols(const AttributeModel &model, const double *values) {
+  std::array<double, kFamilySize> leans;
+  for (int scale = 0; scale < kFamilySize; ++scale)
+    leans[size_t(scale)] =
+        model.first_table ? std::min(kDeadZone * std::exp2(double(kScaleZero - scale) / kPerOctave), kDeadZoneLimit)
+                          : 0;
+  return [&model, values, leans](const AttributeRun &run, int32_t *symbols) {
+    const int64_t size = run.group.size();
+    for (int64_t i = 0; i < run.count(); ++i) {
+      const double value = values[run.members[size_t(i / size)] * model.attributes + run.group.first + i % size];
+      const double position = (value * (1 << kFractionBits) - double(run.mean[i])) / double(run.step[i]);
+      const double size_of = std::floor(std::abs(position) + 0.5 - leans[size_t(run.tables[i] - model.first_table)]);
+      symbols[i] = int32_t(std::copysign(std::min(size_of, double(kMaxMagnitude)), position));
+    }
+  };
 }
 
 void code_attributes(const AttributeSymbols &coder, const AttributeModel &model, const TileSeeds &seeds, int threads,

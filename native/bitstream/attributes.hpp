@@ -48,6 +48,11 @@ struct AttributeRun {
 // Says what symbols are, one run after the other.
 using AttributeSymbols = std::function<void(const AttributeRun &run, int32_t *symbols)>;
 
+// Says the symbols nearest to values [N, attributes], but for a lean towards zero by what the bits are worth,
+// `kDeadZone` for a scale of one step, under a Laplacian: Gaussian attributes are fitted without. A decoder need not
+// know.
+AttributeSymbols nearest_symbols(const AttributeModel &model, const double *values);
+
 // Writes decoded [N, attributes], units of 2^-24, but for seeds of no pass. With two threads or more the neighbours of
 // a pass are searched while the one before is coded.
 void code_attributes(const AttributeSymbols &coder, const AttributeModel &model, const TileSeeds &seeds, int threads,

@@ -8,30 +8,38 @@
 namespace sgi {
 namespace {
 
-IntNetwork read_network(SymbolReader &reader, const ModelSpec &spec, int step, const std::vector<SeedGroup> &groups) {
-  IntNetwork network;
+// A network of a coding step, without weights.
+IntNetwork empty_network(const ModelSpec &spec, int step, const std::vector<SeedGroup> &groups) {
+  IntNetwork network{};
   network.inputs = input_count(spec, step), network.hidden = spec.context.hidden;
   network.outputs = network_outputs(spec, groups);
   network.predicted = (network.outputs - int(groups.size())) / 2;
-  network.shift = reader.number(kShiftBits);
-  network.w1 = read_weights(reader, int64_t(network.hidden) * network.inputs);
-  network.b1 = read_weights(reader, network.hidden);
-  network.w2 = read_weights(reader, int64_t(network.outputs) * network.hidden);
-  network.b2 = read_weights(reader, network.outputs);
-  network.require_exact();
+  network.w1.resize(size_t(network.hidden) * size_t(network.inputs)), network.b1.resize(size_t(network.hidden));
+  network.w2.resize(size_t(network.outputs) * size_t(network.hidden)), network.b2.resize(size_t(network.outputs));
   return network;
 }
 
 }  // namespace
 
-Networks read_networks(SymbolReader &reader, const ModelSpec &spec) {
-  if (spec.context.prior) return load_prior(spec);
-  Networks networks;
+template <class Coder>
+void code_networks(Coder &coder, const ModelSpec &spec, Networks &networks) {
+  if (spec.context.prior) {
+    if (Coder::kReads) networks = load_prior(spec);
+    return;
+  }
   const auto steps = coding_steps(spec);
-  for (size_t step = 0; step < steps.size(); ++step)
-    networks.push_back(std::make_shared<const IntNetwork>(read_network(reader, spec, int(step), steps[step])));
-  return networks;
+  for (size_t step = 0; step < steps.size(); ++step) {
+    IntNetwork network = Coder::kReads ? empty_network(spec, int(step), steps[step]) : *networks[step];
+    coder.number(kShiftBits, network.shift);
+    for (std::vector<int64_t> *weights : {&network.w1, &network.b1, &network.w2, &network.b2})
+      code_weights(coder, *weights);
+    network.require_exact();
+    if (Coder::kReads) networks.push_back(std::make_shared<const IntNetwork>(std::move(network)));
+  }
 }
+
+template void code_networks(SymbolReader &coder, const ModelSpec &spec, Networks &networks);
+template void code_networks(SymbolWriter &coder, const ModelSpec &spec, Networks &networks);
 
 AttributeModel attribute_model(const ModelSpec &spec, const std::vector<GroupSteps> &plan, const Networks &networks,
                                int quality, int family, Isa isa) {

@@ -4,15 +4,16 @@
 
 #include "bitstream/attributes.hpp"
 #include "bitstream/shipped_networks.hpp"
-#include "bitstream/symbol_reader.hpp"
+#include "bitstream/symbol_coder.hpp"
 #include "model/step_plan.hpp"
 
 namespace sgi {
 
 constexpr int kShiftBits = 5;  // of the unit 2^-shift of weights
 
-// One network for each coding step: from the stream, or the prior with what the stream changes in it.
-Networks read_networks(SymbolReader &reader, const ModelSpec &spec);
+// One network for each coding step: from the stream, or the prior, which takes no bits.
+template <class Coder>
+void code_networks(Coder &coder, const ModelSpec &spec, Networks &networks);
 
 // How attributes are coded: `plan` has the steps of each group in coding order. The networks are made ready for an
 // instruction set.

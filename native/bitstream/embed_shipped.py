@@ -71,7 +71,7 @@ def source() -> str:
             cases += f"  {condition}return {held};\n"
         functions.append(f"Bytes shipped_{function}({parameter}) {{\n{cases}{otherwise}}}\n")
 
-    add("tables", "", {0: (BITSTREAM / "entropy" / "tables.bin").read_bytes()}, 4)
+    add("tables", "", {0: (BITSTREAM / "parts" / "tables.bin").read_bytes()}, 4)
     add("prior", "", {0: numbered("prior")[1]}, 2)
     add("texture", "", {0: zlib.decompress((BITSTREAM / "parts" / "texture.bin").read_bytes())})
     add("restoration", "int number", numbered("restoration"))

@@ -1,7 +1,10 @@
 #include "bitstream/frequency_tables.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <cstdlib>
+#include <map>
 #include <utility>
 #include <vector>
 
@@ -11,7 +14,7 @@ namespace sgi {
 namespace {
 
 constexpr int kEscapeExponents = 21;
-constexpr int64_t kTotalFrequency = int64_t(1) << 24;
+constexpr int kPrecision = 24;
 
 uint32_t little_endian(const uint8_t *bytes, int count) {
   uint32_t value = 0;
@@ -23,7 +26,7 @@ uint32_t little_endian(const uint8_t *bytes, int count) {
 SymbolModels escape_models() {
   std::vector<int64_t> frequencies(kEscapeExponents);
   for (int e = 0; e < kEscapeExponents; ++e)
-    frequencies[size_t(e)] = kTotalFrequency >> std::min(e + 1, kEscapeExponents - 1);
+    frequencies[size_t(e)] = (int64_t(1) << kPrecision) >> std::min(e + 1, kEscapeExponents - 1);
   const int64_t start[2] = {0, kEscapeExponents};
   return {frequencies.data(), start, 1};
 }
@@ -32,18 +35,39 @@ FrequencyTables read_tables() {
   const Bytes file = shipped_tables();
   std::vector<int32_t> supports;
   std::vector<int64_t> frequency, start{0};
+  std::vector<std::vector<double>> costs(kTables);
   const uint8_t *half = file.data + 2 * kTables;  // f(0), f(1), ..., f(S), f(escape) of each table
   for (int table = 0; table < kTables; ++table) {
     const auto support = int32_t(little_endian(file.data + 2 * table, 2));
     supports.push_back(support);
-    for (int32_t n = -support; n <= support + 1; ++n) frequency.push_back(little_endian(half + 4 * std::abs(n), 4));
+    for (int32_t n = -support; n <= support + 1; ++n) {
+      frequency.push_back(little_endian(half + 4 * std::abs(n), 4));
+      costs[size_t(table)].push_back(kPrecision - std::log2(double(frequency.back())));
+    }
     start.push_back(int64_t(frequency.size()));
     half += 4 * (support + 2);
   }
-  return {std::move(supports), {frequency.data(), start.data(), kTables}, escape_models()};
+  return {std::move(supports), {frequency.data(), start.data(), kTables}, escape_models(), std::move(costs)};
 }
 
 }  // namespace
+
+double FrequencyTables::bits(int64_t symbol, int table) const {
+  const int32_t within = support[size_t(table)];
+  const int64_t beyond = std::abs(symbol) - within;
+  if (beyond <= 0) return costs[size_t(table)][size_t(within + symbol)];
+  const int exponent = 63 - __builtin_clzll(static_cast<unsigned long long>(beyond));
+  return costs[size_t(table)].back() + std::min(exponent + 1, kEscapeExponents - 1) + exponent + 1;
+}
+
+int FrequencyTables::best(const std::vector<int32_t> &symbols) const {
+  std::map<int32_t, double> counts;
+  for (const int32_t symbol : symbols) ++counts[symbol];
+  std::array<double, kTables> cost{};
+  for (int table = 0; table < kTables; ++table)
+    for (const auto &[symbol, count] : counts) cost[size_t(table)] += count * bits(symbol, table);
+  return int(std::min_element(cost.begin(), cost.end()) - cost.begin());
+}
 
 const FrequencyTables &frequency_tables() {
   static const FrequencyTables tables = read_tables();

@@ -5,7 +5,7 @@
 
 #include "base/error.hpp"
 #include "bitstream/bit_model.hpp"
-#include "bitstream/symbol_reader.hpp"
+#include "bitstream/symbol_coder.hpp"
 
 namespace sgi {
 
@@ -18,14 +18,26 @@ constexpr int64_t kFreeMixed = 1 << 13, kMixedPerByte = 32;
 }  // namespace
 
 // Codes a mask square by square, writing where a mask is given and else reading.
-template <class Bits>
+template <class Coder>
 class MaskCoding {
  public:
-  MaskCoding(Bits &bits, Mask &mask, const uint8_t *given, int64_t most)
-      : bits_(bits), mask_(mask), given_(given), most_(most) {
+  MaskCoding(Coder &coder, Mask &mask, const uint8_t *given, int64_t most)
+      : coder_(coder), mask_(mask), given_(given), most_(most) {
     mask.large_.assign(size_t(mask.across() * mask.down()), Mask::kUnknown);
   }
 
+  void code() {
+    for (int64_t y = 0; y < mask_.height_; y += kLarge)
+      for (int64_t x = 0; x < mask_.width_; x += kLarge) {
+        large(x, y);
+        coder_.record(flags_.data(), int64_t(flags_.size()));
+        flags_.clear();
+      }
+  }
+
+  int64_t mixed = 0;
+
+ private:
   // Throws Error (corrupt) where a square is said to be mixed which is not.
   void large(int64_t x, int64_t y) {
     int32_t &link = mask_.large_[mask_.large_at(x, y)];
@@ -44,10 +56,6 @@ class MaskCoding {
     if (std::none_of(links.begin(), links.end(), is_other)) refuse_payload();
   }
 
-  std::vector<int32_t> flags;  // that were coded
-  int64_t mixed = 0;
-
- private:
   static constexpr int kLog = Mask::kLogSide, kSmall = 1 << kLog, kLarge = 1 << 2 * kLog;
   enum State { kClearState, kSetState, kMixedState, kUnknownState };
   // Of pixels: models by 4, 6, 10 and 8 pixels around, whose numbers follow each other.
@@ -117,8 +125,8 @@ class MaskCoding {
       uint8_t *const at = window[size_t(row + kAbove)].data() + kBeside;
       for (int64_t column = 0; column < columns; ++column) {
         int bit = given_ ? given_[(y + row) * mask_.width_ + x + column] != 0 : 0;
-        code_bit(bits_, models_of(at + column), kQuick, bit);
-        flags.push_back(bit);
+        code_bit(coder_.range(), models_of(at + column), kQuick, bit);
+        flags_.push_back(bit);
         at[column] = uint8_t(bit);
         has_both |= before >= 0 && bit != before;
         before = bit;
@@ -143,14 +151,15 @@ class MaskCoding {
   }
 
   void alone(uint32_t model, int &flag) {
-    code_bit(bits_, states_[model], kQuick, flag);
-    flags.push_back(flag);
+    code_bit(coder_.range(), states_[model], kQuick, flag);
+    flags_.push_back(flag);
   }
 
-  Bits &bits_;
+  Coder &coder_;
   Mask &mask_;
   const uint8_t *given_;
   int64_t most_;
+  std::vector<int32_t> flags_;  // that were coded since the last record
   std::vector<BitModel> states_ = std::vector<BitModel>(1024), models_ = std::vector<BitModel>(kModels);
 };
 
@@ -159,24 +168,17 @@ int64_t max_mixed(int64_t payload_bytes) { return kFreeMixed + kMixedPerByte * p
 Mask Mask::read(Bytes payload, int64_t width, int64_t height) {
   Mask mask(width, height);
   SymbolReader reader(payload);
-  BitReader bits(reader.decoder());
-  MaskCoding coding(bits, mask, nullptr, max_mixed(int64_t(payload.size)));
-  for (int64_t y = 0; y < height; y += kSide * kSide)
-    for (int64_t x = 0; x < width; x += kSide * kSide) {
-      coding.large(x, y);
-      reader.record(coding.flags.data(), int64_t(coding.flags.size()));
-      coding.flags.clear();
-    }
+  MaskCoding(reader, mask, nullptr, max_mixed(int64_t(payload.size))).code();
   reader.finish();
   return mask;
 }
 
 WrittenMask::WrittenMask(const uint8_t *mask, int64_t width, int64_t height) {
   Mask written(width, height);
-  MaskCoding coding(bits, written, mask, INT64_MAX);
-  for (int64_t y = 0; y < height; y += Mask::kSide * Mask::kSide)
-    for (int64_t x = 0; x < width; x += Mask::kSide * Mask::kSide) coding.large(x, y);
-  mixed = coding.mixed;
+  SymbolWriter writer;
+  MaskCoding coding(writer, written, mask, INT64_MAX);
+  coding.code();
+  payload = writer.finish(), mixed = coding.mixed;
 }
 
 int32_t Mask::link(int64_t x, int64_t y) const {

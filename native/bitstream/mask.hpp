@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "base/bytes.hpp"
-#include "bitstream/texture_bits.hpp"
 
 namespace sgi {
 
@@ -31,7 +30,7 @@ class Mask {
   int64_t memory() const;
 
  private:
-  template <class Bits>
+  template <class Coder>
   friend class MaskCoding;
   friend struct WrittenMask;
 
@@ -51,11 +50,11 @@ class Mask {
   std::vector<Pixels> pixels_;  // of mixed squares of 16
 };
 
-// The bits of a mask [height, width], 1 for pixels that hold nothing, and how many of its squares are mixed.
+// The payload of a mask [height, width], 1 for pixels that hold nothing, and how many of its squares are mixed.
 struct WrittenMask {
   WrittenMask(const uint8_t *mask, int64_t width, int64_t height);
 
-  BitRecorder bits;
+  std::vector<uint8_t> payload;
   int64_t mixed;
 };
 

@@ -4,7 +4,9 @@
 
 namespace sgi {
 
-// Throws Error: limit before it takes memory for more than `most` seeds, corrupt for what no encoder wrote.
-Seeds read_positions(SymbolReader &reader, int64_t width, int64_t height, int64_t most);
+// Throws Error: limit before it takes memory for more than `most` seeds, corrupt for what no encoder wrote, usage for
+// seeds that are no pixels of the tile, or share one.
+template <class Coder>
+void code_positions(Coder &coder, int64_t width, int64_t height, int64_t most, Seeds &seeds);
 
 }  // namespace sgi

@@ -175,9 +175,9 @@ void FloatDistances::code(Bits &bits, float found, float &sample) {
   sample = of_rank(rank);
 }
 
-template void code_table(BitRecorder &bits, bool is_float, ResidualGrid &grid);
-template void code_table(BitReader &bits, bool is_float, ResidualGrid &grid);
-template class GridRest<BitRecorder>;
-template class GridRest<BitReader>;
+template void code_table(RangeEncoder &bits, bool is_float, ResidualGrid &grid);
+template void code_table(RangeDecoder &bits, bool is_float, ResidualGrid &grid);
+template class GridRest<RangeEncoder>;
+template class GridRest<RangeDecoder>;
 
 }  // namespace sgi

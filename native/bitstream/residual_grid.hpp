@@ -93,9 +93,9 @@ class GridRest {
   std::vector<Channel> channels_;
 };
 
-extern template void code_table(BitRecorder &bits, bool is_float, ResidualGrid &grid);
-extern template void code_table(BitReader &bits, bool is_float, ResidualGrid &grid);
-extern template class GridRest<BitRecorder>;
-extern template class GridRest<BitReader>;
+extern template void code_table(RangeEncoder &bits, bool is_float, ResidualGrid &grid);
+extern template void code_table(RangeDecoder &bits, bool is_float, ResidualGrid &grid);
+extern template class GridRest<RangeEncoder>;
+extern template class GridRest<RangeDecoder>;
 
 }  // namespace sgi

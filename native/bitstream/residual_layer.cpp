@@ -9,7 +9,7 @@
 
 #include "base/crc32.hpp"
 #include "base/error.hpp"
-#include "bitstream/range_decoder.hpp"
+#include "bitstream/range_coder.hpp"
 #include "bitstream/varint.hpp"
 
 namespace sgi {
@@ -74,9 +74,8 @@ ResidualGrid read_grid(Bytes start, size_t &at, SampleType type) {
   if (bytes > kMaxTableBytes || grid.max_error || grid.most > kMaxTableSteps) corrupt("a grid may not have this table");
   if (int64_t(start.size - at) < bytes) corrupt("it ends too early");
   RangeDecoder decoder(start.data + at, bytes);
-  BitReader bits(decoder);
   decoded("the table of a grid does not decode", [&] {
-    code_table(bits, type == SampleType::f32, grid);
+    code_table(decoder, type == SampleType::f32, grid);
     if (!decoder.maybe_exhausted()) refuse_payload();
   });
   at += size_t(bytes);
@@ -164,7 +163,7 @@ void code_block(const ResidualBlock &block, Isa isa, Bits &bits, ResidualSamples
   hold_others(block, given.cells, block.form.grids.size(), drawn);
   // A reader finds all values, whatever they are before.
   std::vector<int32_t> values =
-      std::is_same_v<Bits, BitReader> ? drawn.values : nearest_values(block.form, samples, block.samples());
+      std::is_same_v<Bits, RangeDecoder> ? drawn.values : nearest_values(block.form, samples, block.samples());
   ResidualCoding<Bits>(shape, kernel_for<PredictorKernel>(isa), bits).code(values, drawn);
   GridRest<Bits>(block.header, block.form, bits).code(drawn, values, block.drawn, samples);
 }
@@ -223,8 +222,8 @@ ResidualTable read_residual_table(const Header &header, Bytes start, int64_t len
   return table;
 }
 
-void record_residual(const ResidualBlock &block, Isa isa, ResidualSamples &given, BitRecorder &bits) {
-  code_block(block, isa, bits, given);
+void encode_residual(const ResidualBlock &block, Isa isa, ResidualSamples &given, RangeEncoder &encoder) {
+  code_block(block, isa, encoder, given);
 }
 
 ResidualSamples decode_residual(const ResidualBlock &block, Isa isa, Bytes bytes, uint32_t crc) {
@@ -232,8 +231,7 @@ ResidualSamples decode_residual(const ResidualBlock &block, Isa isa, Bytes bytes
                         std::vector<uint8_t>(block.cells(), uint8_t(!block.form.has_cells))};
   if (bytes.size || !block.form.has_cells) {
     RangeDecoder decoder(bytes.data, int64_t(bytes.size));
-    BitReader bits(decoder);
-    decoded("the samples of a block do not decode", [&] { code_block(block, isa, bits, found); });
+    decoded("the samples of a block do not decode", [&] { code_block(block, isa, decoder, found); });
     if (!decoder.maybe_exhausted()) corrupt("bytes are left over behind the samples of a block");
   }
   if (crc32({reinterpret_cast<const uint8_t *>(found.samples.data()), found.samples.size() * sizeof(float)}) != crc)

@@ -54,8 +54,8 @@ struct ResidualSamples {
   std::vector<uint8_t> cells;
 };
 
-// Notes the bits of samples of a block, and leaves in `given` what a reader finds.
-void record_residual(const ResidualBlock &block, Isa isa, ResidualSamples &given, BitRecorder &bits);
+// Codes the samples of a block, and leaves in `given` what a reader finds.
+void encode_residual(const ResidualBlock &block, Isa isa, ResidualSamples &given, RangeEncoder &encoder);
 // Decodes the samples of a block from its bytes. Throws Error (corrupt).
 ResidualSamples decode_residual(const ResidualBlock &block, Isa isa, Bytes bytes, uint32_t crc);
 

@@ -31,12 +31,15 @@ const SharedNetwork &restoration_network(int number, const SharedNetwork &own) {
               "restoration: network " + std::to_string(number) + "; this program has networks 1 and 2");
 }
 
-RestorationChoice read_restoration_part(SymbolReader &reader, const SharedNetwork &own) {
-  RestorationChoice choice{reader.number(kNetworkBits), 0};
-  if (!choice.network) return choice;
-  restoration_network(choice.network, own);
-  choice.step = reader.number(kStepBits);
-  return choice;
+template <class Coder>
+void code_restoration_part(Coder &coder, const SharedNetwork &own, RestorationChoice &choice) {
+  coder.number(kNetworkBits, choice.network);
+  if (!choice.network) return;
+  if (Coder::kReads) restoration_network(choice.network, own);
+  coder.number(kStepBits, choice.step);
 }
+
+template void code_restoration_part(SymbolReader &coder, const SharedNetwork &own, RestorationChoice &choice);
+template void code_restoration_part(SymbolWriter &coder, const SharedNetwork &own, RestorationChoice &choice);
 
 }  // namespace sgi

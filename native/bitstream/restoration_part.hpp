@@ -1,6 +1,6 @@
 // The restoration part of a tile, and the networks that it may name (docs/format.md, "Restoration").
 #pragma once
-#include "bitstream/symbol_reader.hpp"
+#include "bitstream/symbol_coder.hpp"
 #include "model/restoration.hpp"
 
 namespace sgi {
@@ -14,6 +14,7 @@ using SharedNetwork = std::shared_ptr<const RestorationNetwork>;  // null for no
 const SharedNetwork &restoration_network(int number, const SharedNetwork &own);
 
 // What a tile states. Throws as above.
-RestorationChoice read_restoration_part(SymbolReader &reader, const SharedNetwork &own);
+template <class Coder>
+void code_restoration_part(Coder &coder, const SharedNetwork &own, RestorationChoice &choice);
 
 }  // namespace sgi

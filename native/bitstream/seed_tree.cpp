@@ -61,33 +61,28 @@ int64_t TreeNodes::memory(int64_t width, int64_t height) {
   return bytes;
 }
 
-BitRecorder write_tree(int64_t width, int64_t height, const Seeds &seeds) {
-  BitRecorder bits;
-  const TreeNodes given = tree_of(width, height, seeds);
+template <class Coder>
+void code_tree(Coder &coder, int64_t width, int64_t height, int64_t most, Seeds &seeds) {
+  const TreeNodes given = Coder::kReads ? TreeNodes(width, height) : tree_of(width, height, seeds);
   TreeNodes nodes(width, height);
-  TreeCoding coding(bits, nodes, &given);
-  for (int level = kRootLevel; level >= kMinLevel; --level) coding.level(level, [](uint8_t) {});
-  return bits;
-}
-
-Seeds read_tree(SymbolReader &reader, int64_t width, int64_t height, int64_t most) {
-  BitReader bits(reader.decoder());
-  TreeNodes nodes(width, height);
-  TreeCoding coding(bits, nodes, nullptr);
-  int64_t split = 1, seeds = 0;
-  const auto require_few = [&](int64_t count) {
-    if (count > most) throw Error(Fault::limit, "positions: more than " + std::to_string(most) + " seeds");
+  TreeCoding coding(coder.range(), nodes, Coder::kReads ? nullptr : &given);
+  int64_t split = 1, count = 0;
+  const auto require_few = [&](int64_t found) {
+    if (found > most) throw Error(Fault::limit, "positions: more than " + std::to_string(most) + " seeds");
   };
   for (int level = kRootLevel; level >= kMinLevel && split; --level) {
     split = 0;
     coding.level(level, [&](uint8_t node) {
       if (node & TreeNodes::kSplit) require_few(++split);  // each has seeds
-      if (node & TreeNodes::kSeed) require_few(++seeds);
+      if (node & TreeNodes::kSeed) require_few(++count);
     });
-    reader.record(coding.flags.data(), int64_t(coding.flags.size()));
+    coder.record(coding.flags.data(), int64_t(coding.flags.size()));
     coding.flags.clear();
   }
-  return seeds_of(nodes);
+  seeds = seeds_of(nodes);
 }
+
+template void code_tree(SymbolReader &coder, int64_t width, int64_t height, int64_t most, Seeds &seeds);
+template void code_tree(SymbolWriter &coder, int64_t width, int64_t height, int64_t most, Seeds &seeds);
 
 }  // namespace sgi

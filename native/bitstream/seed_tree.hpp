@@ -5,8 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "bitstream/symbol_reader.hpp"
-#include "bitstream/texture_bits.hpp"
+#include "bitstream/symbol_coder.hpp"
 
 namespace sgi {
 
@@ -44,11 +43,9 @@ class TreeNodes {
   std::array<std::vector<uint8_t>, kRootLevel + 2> planes_;  // that of the roots' parents is the last
 };
 
-// The flags of the tree of some seeds, with their probabilities. Throws Error (usage) for seeds that are no nodes of
-// a tree of this size, or share one.
-BitRecorder write_tree(int64_t width, int64_t height, const Seeds &seeds);
-
-// Reads a tree. Throws Error: limit for more than `most` seeds, corrupt where the payload does not decode.
-Seeds read_tree(SymbolReader &reader, int64_t width, int64_t height, int64_t most);
+// The tree of some seeds. Throws Error: limit for more than `most` seeds, usage for seeds that are no nodes of a tree
+// of this size, or share one.
+template <class Coder>
+void code_tree(Coder &coder, int64_t width, int64_t height, int64_t most, Seeds &seeds);
 
 }  // namespace sgi

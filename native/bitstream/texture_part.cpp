@@ -27,32 +27,16 @@ BitModels shipped_models() {
   return models;
 }
 
-TextureGrid read_grid(SymbolReader &reader) {
-  TextureGrid grid;
-  grid.separate = reader.number(1);
-  if (!grid.separate) return grid;
-  const std::vector<int32_t> before = reader.values(kGridBits, 2);
-  grid.left = before[0], grid.top = before[1];
-  return grid;
-}
-
-TextureIndices read_indices(SymbolReader &reader, int channels) {
-  TextureIndices indices;
-  indices.step = reader.number(kStepBits);
-  indices.ratios = reader.values(kRatioBits, channels - 1);
-  const std::vector<int32_t> slopes = reader.values(kSlopeBits, 2), excess = reader.values(kExcessBits, 3);
-  indices.slopes = {slopes[0], slopes[1]};
-  indices.excess = {excess[0], excess[1], excess[2]};
-  indices.has_contrast = reader.number(1);
-  indices.grid = read_grid(reader);
-  return indices;
-}
-
-TextureColours read_colours(SymbolReader &reader) {
-  const std::vector<int32_t> shares = reader.values(kShareBits, 2);
-  const TextureColours colours{{shares[0], shares[1]}, reader.number(kTurnBits)};
-  if (colours.same()) throw Error(Fault::corrupt, "texture: colours that are no others than those without");
-  return colours;
+template <class Coder>
+void code_indices(Coder &coder, int channels, TextureIndices &indices) {
+  coder.number(kStepBits, indices.step);
+  indices.ratios.resize(size_t(channels - 1));
+  coder.values(kRatioBits, indices.ratios), coder.values(kSlopeBits, indices.slopes);
+  coder.values(kExcessBits, indices.excess);
+  coder.number(1, indices.has_contrast);
+  TextureGrid &grid = indices.grid;
+  coder.number(1, grid.separate);
+  if (grid.separate) coder.number(kGridBits, grid.left), coder.number(kGridBits, grid.top);
 }
 
 }  // namespace
@@ -75,21 +59,30 @@ const BitModels &shipped_texture_models() {
   return models;
 }
 
-std::optional<TextureIndices> read_texture_indices(SymbolReader &reader, int64_t width, int64_t height, int channels,
-                                                   int64_t memory) {
-  if (!reader.number(1)) return std::nullopt;
-  const int models = reader.number(kModelsBits);
+template <class Coder>
+void code_texture_indices(Coder &coder, int64_t width, int64_t height, int channels,
+                          std::optional<TextureIndices> &indices, int64_t memory) {
+  bool has_texture = indices.has_value();
+  coder.number(1, has_texture);
+  if (!has_texture) return;
+  if (Coder::kReads) indices.emplace();
+  TextureColours &colours = indices->colours;
+  int models = colours.same() ? kPlain : kColoured;
+  coder.number(kModelsBits, models);
   if (models != kPlain && models != kColoured)
     throw Error(Fault::unsupported, "texture: models " + std::to_string(models) + "; this program has models 2 and 3");
-  TextureIndices indices = read_indices(reader, channels);
+  code_indices(coder, channels, *indices);
   if (models == kColoured) {
     if (channels < 3) throw Error(Fault::corrupt, "texture: colours of " + std::to_string(channels) + " channels");
-    indices.colours = read_colours(reader);
+    coder.values(kShareBits, colours.shares), coder.number(kTurnBits, colours.turn);
+    if (colours.same()) throw Error(Fault::corrupt, "texture: colours that are no others than those without");
   }
-  const auto sides = indices.grid.layer_sides(width, height);
+  const auto sides = indices->grid.layer_sides(width, height);
   check_texture(channels, sides.first, sides.second, memory);
-  return indices;
 }
+
+template void code_texture_indices(SymbolReader &coder, int64_t width, int64_t height, int channels,
+                                   std::optional<TextureIndices> &indices, int64_t memory);
 
 CodedTexture read_texture_layer(SymbolReader &reader, TextureIndices indices, int64_t width, int64_t height,
                                 int channels) {
@@ -111,6 +104,19 @@ void read_texture_cells(SymbolReader &reader, const TextureIndices &indices, int
   };
   read_texture(shipped_texture_models(), reader, sides.first, sides.second, indices.has_contrast, field, &dequantizer,
                told);
+}
+
+void write_texture_part(SymbolWriter &writer, const std::optional<CodedTexture> &texture, int64_t width, int64_t height,
+                        int channels) {
+  std::optional<TextureIndices> indices;
+  if (texture) indices = texture->indices;
+  code_texture_indices(writer, width, height, channels, indices);
+  if (!texture) return;
+  const auto sides = indices->grid.layer_sides(width, height);
+  BitModels models = shipped_texture_models();
+  const std::vector<int32_t> symbols =
+      write_texture(models, writer.range(), texture->field, sides.first, sides.second, indices->has_contrast);
+  writer.record(symbols.data(), int64_t(symbols.size()));
 }
 
 }  // namespace sgi

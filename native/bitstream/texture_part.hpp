@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "bitstream/limits.hpp"
-#include "bitstream/symbol_reader.hpp"
+#include "bitstream/symbol_coder.hpp"
 #include "bitstream/texture_cells.hpp"
 #include "bitstream/texture_models.hpp"
 #include "model/texture_colours.hpp"
@@ -40,13 +40,19 @@ using TextureRows = std::function<void(int64_t rows, const Texture &cells)>;
 
 // What a tile says of its layer before the cells, none where it has none. Throws Error: limit for a tile that is too
 // large or takes more memory, unsupported for models of another number, corrupt.
-std::optional<TextureIndices> read_texture_indices(SymbolReader &reader, int64_t width, int64_t height, int channels,
-                                                   int64_t memory = kAnyMemory);
+template <class Coder>
+void code_texture_indices(Coder &coder, int64_t width, int64_t height, int channels,
+                          std::optional<TextureIndices> &indices, int64_t memory = kAnyMemory);
 // Then the layer, as symbols. Throws Error (corrupt).
 CodedTexture read_texture_layer(SymbolReader &reader, TextureIndices indices, int64_t width, int64_t height,
                                 int channels);
 // Or as cells with amplitudes, whose symbols are not kept. Throws Error (corrupt).
 void read_texture_cells(SymbolReader &reader, const TextureIndices &indices, int64_t width, int64_t height,
                         int channels, TextureCells &cells, const TextureRows &rows_read);
+
+// All of the part. Throws Error: limit for a tile that is too large, usage where a reader would not find the same
+// layer.
+void write_texture_part(SymbolWriter &writer, const std::optional<CodedTexture> &texture, int64_t width, int64_t height,
+                        int channels);
 
 }  // namespace sgi

@@ -93,24 +93,31 @@ TextureField empty_field(int64_t width, int64_t height, int channels, KeptSymbol
   return {texture_roots(width), texture_roots(height), channels, kept};
 }
 
-TextureBits write_texture(BitModels &models, const TextureField &field, int64_t width, int64_t height,
-                          bool has_contrast) {
-  TextureBits written;
+template <class Bits>
+std::vector<int32_t> write_texture(BitModels &models, Bits &bits, const TextureField &field, int64_t width,
+                                   int64_t height, bool has_contrast) {
   TextureField coded = empty_field(width, height, field.channels);
-  LayerCoding<BitRecorder> layer(models, coded, written.bits, &field, nullptr, width, height, has_contrast);
+  LayerCoding<Bits> layer(models, coded, bits, &field, nullptr, width, height, has_contrast);
   each_root(width, height, [&](const TextureCell &cell) {
     if (layer.sound()) layer.root(cell);
   });
-  written.symbols = std::move(layer.coding.symbols);
-  written.complete = layer.sound() && layer.any() && coded.symbols == field.symbols &&
-                     coded.contrast == field.contrast && coded.log_size == field.log_size;
-  return written;
+  if (!layer.sound() || !layer.any() || coded.symbols != field.symbols || coded.contrast != field.contrast ||
+      coded.log_size != field.log_size)
+    throw Error(
+        Fault::usage,
+        "a layer has cells; all begin inside the tile and have symbols, up to 16390 either way; there are no others; "
+        "contrasts are where there is texture");
+  return std::move(layer.coding.symbols);
 }
+
+template std::vector<int32_t> write_texture(BitModels &models, RangeEncoder &bits, const TextureField &field,
+                                            int64_t width, int64_t height, bool has_contrast);
+template std::vector<int32_t> write_texture(BitModels &models, BitTaker &bits, const TextureField &field, int64_t width,
+                                            int64_t height, bool has_contrast);
 
 void read_texture(BitModels models, SymbolReader &reader, int64_t width, int64_t height, bool has_contrast,
                   TextureField &field, TextureDequantizer *cells, const RowsRead &rows_read) {
-  BitReader bits(reader.decoder());
-  LayerCoding<BitReader> layer(models, field, bits, nullptr, cells, width, height, has_contrast);
+  LayerCoding<RangeDecoder> layer(models, field, reader.range(), nullptr, cells, width, height, has_contrast);
   std::vector<int32_t> &symbols = layer.coding.symbols;
   each_root(width, height, [&](const TextureCell &cell) {
     if (!cell.x) field.begin_roots(cell.y);

@@ -2,22 +2,19 @@
 #pragma once
 #include <functional>
 
-#include "bitstream/symbol_reader.hpp"
+#include "bitstream/symbol_coder.hpp"
 #include "bitstream/texture_bits.hpp"
 #include "bitstream/texture_cells.hpp"
 #include "bitstream/texture_coding.hpp"
 
 namespace sgi {
 
-// The bits of a layer, their probabilities, and what they spell (TextureCoding::symbols). width, height: of the tile;
-// nodes beyond it are not coded. has_contrast: whether roots with texture have a contrast. The models learn.
-struct TextureBits {
-  BitRecorder bits;
-  std::vector<int32_t> symbols;
-  bool complete;  // whether a reader finds the same layer
-};
-TextureBits write_texture(BitModels &models, const TextureField &field, int64_t width, int64_t height,
-                          bool has_contrast);
+// Writes a layer to a RangeEncoder, or to nowhere; what the bits spell (TextureCoding::symbols). width, height: of the
+// tile; nodes beyond it are not coded. has_contrast: whether roots with texture have a contrast. The models learn.
+// Throws Error (usage) where a reader would not find the same layer.
+template <class Bits>
+std::vector<int32_t> write_texture(BitModels &models, Bits &bits, const TextureField &field, int64_t width,
+                                   int64_t height, bool has_contrast);
 
 // The layer of a tile before anything is read or found.
 TextureField empty_field(int64_t width, int64_t height, int channels, KeptSymbols kept = KeptSymbols::all);

@@ -1,4 +1,4 @@
-// A tile: its chunk, and the model in it, read part by part (docs/format.md, "Tiles" and "Tile parts").
+// A tile: its chunk, and the model in it, coded part by part (docs/format.md, "Tiles" and "Tile parts").
 #pragma once
 #include <array>
 #include <cstdint>
@@ -14,7 +14,7 @@
 #include "bitstream/part.hpp"
 #include "bitstream/restoration_part.hpp"
 #include "bitstream/shipped_networks.hpp"
-#include "bitstream/symbol_reader.hpp"
+#include "bitstream/symbol_coder.hpp"
 #include "bitstream/texture_part.hpp"
 #include "model/step_plan.hpp"
 
@@ -55,7 +55,7 @@ struct TileModel {
   int64_t seeds() const { return int64_t(log_size.size()); }
 };
 
-// How a payload is read.
+// How a payload is read, or written.
 struct TileReading {
   int threads = 1;
   Isa isa = Isa::portable;
@@ -80,23 +80,19 @@ class TileReader {
   TileEnd finish();
 
  private:
-  void read_plan(TileModel &model);
-  void read_base_layer(TileModel &model);
-  void read_seeds(TileModel &model);
-  void read_decoders(TileModel &model);
-  void read_attributes(TileModel &model);
-
   const Header &header_;
-  const ModelSpec &spec_;
   const TileReading how_;
   SymbolReader reader_;
   const int64_t payload_bytes_;
-  int64_t memory_;  // bytes, what is left
   std::optional<TextureIndices> texture_;
 };
 
 // All of it at once.
 TileModel read_tile(const Header &header, Bytes payload, const TileReading &how);
+
+// The payload of a model whose attributes are to be `values` [N, d_A], as near as its steps allow; `end` becomes what a
+// reader will know. Throws Error: limit for a model that a reader would refuse, usage for one that cannot be coded.
+std::vector<uint8_t> write_tile(const Header &header, TileModel &model, const double *values, const TileReading &how);
 
 // Which pixels of a band hold nothing: those of its mask, without one all or none.
 struct BandMask {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 
 namespace sgi {
 namespace {
@@ -11,16 +10,8 @@ constexpr double kFarthest = (1 << 20) - 64;  // leaves room for moves below the
 
 }  // namespace
 
-double SymbolBits::of(int64_t symbol, int scale) const {
-  const int table = first + scale;
-  const int64_t beyond = std::abs(symbol) - support[table];
-  if (beyond <= 0) return bits[start[table] + support[table] + symbol];
-  const int exponent = 63 - __builtin_clzll(static_cast<unsigned long long>(beyond));
-  return bits[start[table] + 2 * support[table] + 1] + std::min(exponent + 1, 20) + exponent + 1;
-}
-
 int64_t ReconstructionGrid::nearest(int j, double value) const {
-  const double position = std::rint((value / kUnit - double(mean[j])) / double(step[j]));
+  const double position = std::rint((value / kDecodedUnit - double(mean[j])) / double(step[j]));
   return static_cast<int64_t>(std::min(std::max(position, -kFarthest), kFarthest));
 }
 
@@ -62,7 +53,8 @@ void SeedContext::predict(Group group, int count, ReconstructionGrid *grids) {
 
 double bits_of(const CodingModel &model, Group group, const ReconstructionGrid &grid, const int64_t *symbols) {
   double bits = 0;
-  for (int j = 0; j < model.group(group).size(); ++j) bits += model.tables.of(symbols[j], grid.scale[j]);
+  for (int j = 0; j < model.group(group).size(); ++j)
+    bits += model.tables.bits(symbols[j], model.coding.first_table + grid.scale[j]);
   return bits;
 }
 

@@ -5,27 +5,18 @@
 #include <vector>
 
 #include "bitstream/attributes.hpp"
+#include "bitstream/frequency_tables.hpp"
 
 namespace sgi {
 
 constexpr int kMaxColours = 64;
 constexpr int kPlaceAttributes = 5;  // three of the shape, two of the offset
 constexpr int kMaxAttributes = kMaxColours + kPlaceAttributes;
-constexpr double kUnit = 1.0 / (1 << kFractionBits);  // of decoded values
-
-// Zero-centred frequency tables as sgicodec/bitstream/entropy/tables.py holds them.
-struct SymbolBits {
-  const int32_t *support;  // [tables] S
-  const int64_t *start;    // [tables] where a table begins in `bits`
-  const double *bits;      // for n = -S to S, then the escape
-  int first;               // table of scale index 0
-
-  double of(int64_t symbol, int scale) const;
-};
+constexpr double kDecodedUnit = 1.0 / (1 << kFractionBits);  // of decoded values
 
 struct CodingModel {
   const AttributeModel &coding;  // of plain seeds: each group has a step of its own
-  const SymbolBits tables;
+  const FrequencyTables &tables = frequency_tables();
 
   int channels() const { return coding.channels; }
   int attributes() const { return int(coding.attributes); }
@@ -39,7 +30,7 @@ struct ReconstructionGrid {
   int64_t mean[kMaxColours], step[kMaxColours];
   int16_t scale[kMaxColours];
 
-  double value(int j, int64_t symbol) const { return double(mean[j] + step[j] * symbol) * kUnit; }
+  double value(int j, int64_t symbol) const { return double(mean[j] + step[j] * symbol) * kDecodedUnit; }
   // The nearest symbol, away from the largest that a stream holds.
   int64_t nearest(int j, double value) const;
 };

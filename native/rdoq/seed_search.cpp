@@ -62,13 +62,13 @@ Window SeedSearch::reserve(const Seed &seed, const Residual &residual) {
   if (!splat_of(seed.values + model_.channels(), splat)) return {};
   context_.start(seed.inputs, seed.log_size);
   Coded &coded = candidates_[0];
-  for (int j = 0; j < model_.attributes(); ++j) coded.decoded[j] = std::llrint(seed.values[j] / kUnit);
+  for (int j = 0; j < model_.attributes(); ++j) coded.decoded[j] = std::llrint(seed.values[j] / kDecodedUnit);
   context_.update(kShape, coded, 0);
   context_.predict(kShape, 1, shapes_.data());
   context_.predict(kOffset, 1, offsets_.data());
   const int64_t *shape = shapes_[0].step, *offset = offsets_[0].step;
-  const double growth = std::min(double(shape[0] + std::max(shape[1], shape[2])) * kUnit, kMaxGrowth);
-  const double shift = std::min(double(std::max(offset[0], offset[1])) * kUnit, kMaxShift) * seed.cell;
+  const double growth = std::min(double(shape[0] + std::max(shape[1], shape[2])) * kDecodedUnit, kMaxGrowth);
+  const double shift = std::min(double(std::max(offset[0], offset[1])) * kDecodedUnit, kMaxShift) * seed.cell;
   return window_around(splat, float(std::exp(growth)), float(shift) + 1, residual);
 }
 
@@ -113,7 +113,7 @@ void SeedSearch::try_colours(const Place &place) {
 float SeedSearch::mix(const Place &place, const Coded &coded) const {
   double values[kMaxColours];
   float colours[kMaxColours];
-  for (int j = 0; j < model_.channels(); ++j) values[j] = double(coded.decoded[j]) * kUnit;
+  for (int j = 0; j < model_.channels(); ++j) values[j] = double(coded.decoded[j]) * kDecodedUnit;
   colours_of(values, colours);
   float power = 0, overlap = 0;
   std::fill_n(place.mixed, place.window.size(), 0.0f);
@@ -203,7 +203,7 @@ void SeedSearch::follow(const Place &place, const std::vector<int> &chosen) {
 void SeedSearch::replace(const Place &place, const Coded &coded) const {
   double values[kMaxAttributes];
   float colours[kMaxColours];
-  for (int j = 0; j < model_.attributes(); ++j) values[j] = double(coded.decoded[j]) * kUnit;
+  for (int j = 0; j < model_.attributes(); ++j) values[j] = double(coded.decoded[j]) * kDecodedUnit;
   colours_of(values, colours);
   Splat splat;
   if (splat_of(values + model_.channels(), splat)) kernel_.draw(splat, place.window, place.fresh);

@@ -12,17 +12,12 @@ from sgicodec._native import check_texture
 from sgicodec.bitstream.header import Header, encode_header
 from sgicodec.model.spec import ModelSpec
 
-__all__ = ["check_model", "check_texture", "max_seeds", "spec_fields"]
+__all__ = ["check_model", "check_texture", "spec_fields"]
 
 
 def check_model(spec: ModelSpec, width: int, height: int) -> None:
     """Raises LimitError if the products of the header's fields are beyond what a tile may hold."""
     _native.check_model(spec_fields(spec, width, height))
-
-
-def max_seeds(spec: ModelSpec, width: int, height: int, payload_bytes: int) -> int:
-    """The most seeds that a tile may have, given the bytes of its payload."""
-    return _native.max_seeds(spec_fields(spec, width, height), payload_bytes)
 
 
 def spec_fields(spec: ModelSpec, width: int, height: int) -> bytes:

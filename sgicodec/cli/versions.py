@@ -8,7 +8,7 @@ from importlib.metadata import PackageNotFoundError, requires, version
 
 __all__ = ["version_lines"]
 
-_LIBRARIES = ("numpy", "constriction", "OpenImageIO", "pillow", "click", "rich")
+_LIBRARIES = ("numpy", "OpenImageIO", "pillow", "click", "rich")
 _FOR_DEVELOPERS = {"test", "lint", "wheel"}
 _REQUIREMENT = re.compile(r"""([\w.-]+).*\bextra == ['"](\w+)""")
 

@@ -11,12 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec._native import search_seeds
-from sgicodec.bitstream.entropy.tables import frequency_tables
-from sgicodec.bitstream.parts.attributes import SeedCoding
+from sgicodec.bitstream.header import encode_header
 from sgicodec.bitstream.parts.tile import TileModel
 from sgicodec.model.quantization import FRACTION_BITS
 from sgicodec.raster.backend import DEFAULT_CUTOFF
-from sgicodec.rdoq.objective import Objective, joined, with_values
+from sgicodec.rdoq.objective import Objective, with_values
 
 __all__ = ["RdoqSettings", "descend", "searched"]
 
@@ -65,11 +64,10 @@ def descend(
     `residual` is what the model leaves, as `Objective.residual` has it, and afterwards what the result leaves. The
     result's attributes lie on the grids on which they will be coded: rounding leaves them alone.
     """
-    header, device, tables = objective.header, objective.device, frequency_tables()
+    header, device = objective.header, objective.device
     decoded, change = search_seeds(
-        *SeedCoding.of(header, model.layout, model.plan, model.networks),
-        joined(model),
-        *(tables.support, tables.start, tables.symbol_bits),
+        encode_header(header),
+        model,
         residual,
         objective.padded_weights,
         lmbda,

@@ -6,11 +6,11 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from frequency_tables import MAX_MAGNITUDE
 from page_header import SAMPLE_TYPES
 from surgery import join
 from textures import random_symbols
 
-from sgicodec.bitstream.entropy.tables import MAX_MAGNITUDE
 from sgicodec.bitstream.header import Header, encode_header
 from sgicodec.bitstream.parts.tile import TileModel, write_tile
 from sgicodec.errors import CorruptStreamError

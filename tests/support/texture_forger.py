@@ -6,9 +6,8 @@ from contextlib import suppress
 
 import numpy as np
 from reference_decoder import Bits
+from symbols import SymbolWriter
 from texture_reader import TextureReader
-
-from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
 
 __all__ = ["spell", "spelled"]
 
@@ -53,7 +52,7 @@ def spell(
         TextureReader(script, size, channels).read()
     for value, n_bits in script.fields:
         writer.code_int(value, n_bits)
-    writer.flags(*(np.array(part, np.int32) for part in (script.bits, script.ones, script.noted)), 0.0)
+    writer.flags(*(np.array(part, np.int32) for part in (script.bits, script.ones, script.noted)))
 
 
 def spelled(bits: str, has_contrast: bool = False, models: int = 2) -> bytes:

@@ -5,10 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from symbols import SymbolReader, SymbolWriter, write_texture
 
-from sgicodec._native import SymbolReader
-from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
-from sgicodec.bitstream.parts.texture import layer_of, write_texture
+from sgicodec.bitstream.parts.texture import layer_of
 from sgicodec.model.texture_symbols import (
     LAPPED,
     MIN_LOG,

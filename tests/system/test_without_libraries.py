@@ -25,7 +25,7 @@ class Missing:
 sys.meta_path.insert(0, Missing())
 {code}
 """
-ALL = ("constriction", "OpenImageIO", "click", "rich", "torch")
+ALL = ("OpenImageIO", "click", "rich", "torch")
 
 
 def run(code: str, missing: tuple[str, ...], *arguments: object) -> subprocess.CompletedProcess[str]:
@@ -56,7 +56,6 @@ SGI = "from sgicodec.__main__ import main; main()"
 @pytest.mark.parametrize(
     ("missing", "arguments", "complaint"),
     [
-        ("constriction", ("encode", PICTURE, "OUT.sgi", "--steps", 1), "encoding needs constriction"),
         ("OpenImageIO", ("encode", PICTURE, "OUT.sgi", "--steps", 1), "reading pictures needs OpenImageIO"),
         ("OpenImageIO", ("decode", GOLDEN / "rgb8.sgi", "OUT.tif"), "writing pictures needs OpenImageIO"),
         ("rich", ("encode", PICTURE, "OUT.sgi", "--steps", 1, "--progress", "on"), "a progress bar needs rich"),
@@ -80,7 +79,7 @@ def test_every_profile_encodes_without_torch(options: str, tmp_path: Path) -> No
 
 
 def test_streams_are_looked_at_without_the_libraries_of_encodes() -> None:
-    done = run(SGI, ("constriction", "OpenImageIO", "rich", "torch"), "verify", GOLDEN / "rgb8.sgi")
+    done = run(SGI, ("OpenImageIO", "rich", "torch"), "verify", GOLDEN / "rgb8.sgi")
     assert (done.returncode, done.stderr) == (0, "")
     assert "ok" in done.stdout
 

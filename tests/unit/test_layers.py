@@ -17,7 +17,6 @@ FLOORS = [set(line.strip().split(", ")) for line in reversed(re.findall(r"^    (
 """Rooms from the ground up, as the page has them: each may import what lies below its floor, not beside it."""
 
 HOMES = {
-    "constriction": ("sgicodec/bitstream/entropy/",),
     "OpenImageIO": ("sgicodec/image/",),
     "torch": ("tools/", "sgicodec/metrics/learned.py"),
     "tests": (

@@ -1,1 +1,1 @@
-"""The parts of a tile: base layer, positions, networks, attributes, mask."""
+"""A tile as Python has it: its model, its chunk, its mask, priors."""

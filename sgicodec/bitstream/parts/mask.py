@@ -7,7 +7,6 @@ from numpy.typing import NDArray
 
 from sgicodec import _native
 from sgicodec._native import max_mixed
-from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
 from sgicodec.errors import PictureError
 
 __all__ = ["write_mask"]
@@ -15,10 +14,8 @@ __all__ = ["write_mask"]
 
 def write_mask(mask: NDArray[np.bool_]) -> bytes:
     """The payload of a mask [h, w]. Raises PictureError for one of more mixed squares than a reader takes."""
-    writer, (height, width) = SymbolWriter(), mask.shape
-    bits, ones, content, mixed = _native.write_mask(mask.view(np.uint8))
-    writer.flags(bits, ones, bits, content)
-    payload = writer.finish()
+    height, width = mask.shape
+    payload, mixed = _native.write_mask(mask.view(np.uint8))
     if mixed > max_mixed(len(payload)):
         text = "it alternates between pixels with and without content in too many places"
         raise PictureError(f"{width}×{height} pixels are too many for the mask of one tile: {text}; choose --tile 1024")

@@ -46,8 +46,7 @@ def residual_form(
 
 def coded_bits(samples: NDArray[np.float32], header: Header, form: bytes, cells: NDArray[np.uint8]) -> float:
     """Bits of a block [h, w, C] in a layer of this form, whatever is drawn below. cells: 1 for those that it shows."""
-    coded, ones, _ = _native.code_residual(samples, np.zeros_like(samples), encode_header(header), form, cells)
-    return -float(np.log2(np.where(coded, ones, 65536 - ones) / 65536).sum())
+    return _native.code_residual(samples, np.zeros_like(samples), encode_header(header), form, cells)[2]
 
 
 class _Survey:

@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec import _native
-from sgicodec.bitstream.entropy.symbol_writer import range_coded
 from sgicodec.bitstream.varint import encode_varint
 
 __all__ = ["Floats", "Grid", "Integers", "with_table"]
@@ -52,8 +51,8 @@ class Grid:
     def _encode_table(self) -> bytes:
         if self.table is None:
             return encode_varint(0)
-        stated = _native.code_table(not self.is_whole, self.base, self.step, self.most, self.table)
-        return encode_varint(len(coded := range_coded(*stated))) + coded
+        coded = _native.code_table(not self.is_whole, self.base, self.step, self.most, self.table)
+        return encode_varint(len(coded)) + coded
 
 
 class Integers:

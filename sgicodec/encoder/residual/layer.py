@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec import _native
-from sgicodec.bitstream.entropy.symbol_writer import range_coded
 from sgicodec.bitstream.header import Header, encode_header
 from sgicodec.bitstream.varint import encode_varint
 from sgicodec.decoder.stream import Stream
@@ -145,8 +144,7 @@ def _coded(
 ) -> _Block:
     if not cells.any():
         return _Block(b"", zlib.crc32(drawn.tobytes()))
-    bits, ones, crc = _native.code_residual(samples, drawn, header, form, _flags(cells))
-    return _Block(range_coded(bits, ones), crc)
+    return _Block(*_native.code_residual(samples, drawn, header, form, _flags(cells))[:2])
 
 
 def _flags(cells: Cells) -> NDArray[np.uint8]:

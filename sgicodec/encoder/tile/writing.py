@@ -51,8 +51,8 @@ def write(state: TileState) -> EncodedTile:
         network = header.network if restoration else b""
         header = replace(header, spec=replace(spec, texture=texture, restoration=restoration), network=network)
     header = tile.plan.stated(header)
-    coded, writer = write_tile(header, model)
-    parts = {name: bits / 8 for name, bits in writer.bits.items()}
+    coded, bits = write_tile(header, model)
+    parts = {name: part / 8 for name, part in bits.items()}
     return _encoded(tile, header, coded, parts, len(model.layout))
 
 

@@ -12,12 +12,10 @@ import pytest
 from data_files import GOLDEN
 from little_memory import printed, read_with_little_memory
 from surgery import frame, join, split, with_fields, with_hash
+from symbols import SymbolWriter, write_base, write_positions, write_tree, write_weights
 
 from sgicodec.bitstream.container import SIGNATURE
-from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
 from sgicodec.bitstream.header import decode_header
-from sgicodec.bitstream.parts.arrays import write_base, write_weights
-from sgicodec.bitstream.parts.positions import write_positions, write_tree
 from sgicodec.bitstream.parts.tile import read_tile
 from sgicodec.decoder.stream import open_stream
 from sgicodec.errors import CorruptStreamError, LimitError
@@ -127,7 +125,7 @@ def test_a_tree_of_too_many_nodes() -> None:
 def _steps(header: Any) -> SymbolWriter:
     walk = SymbolWriter()
     for name, index in default_plan(header.spec, header.quality).base.items():
-        write_weights(walk, np.zeros_like(index), index.shape)
+        write_weights(walk, np.zeros_like(index))
         if header.spec.plain and name != "colour":
             walk.code_int(0, 6)
     return walk
@@ -138,7 +136,7 @@ def _up_to_positions(header: Any) -> SymbolWriter:
     if header.spec.base_cell:
         walk.code_int(0, 8)
         shape = (header.spec.channels, *base_shape(header.width, header.height, header.spec.base_cell))
-        write_base(walk, np.zeros(shape, np.int64), shape)
+        write_base(walk, np.zeros(shape, np.int64))
     return walk
 
 
@@ -147,7 +145,7 @@ def test_steps_outside_their_table(coded: Any) -> None:
     first = next(iter(default_plan(header.spec, header.quality).base.values()))
     for difference in (STEP_COUNT, -STEP_COUNT, 2**20):
         walk = SymbolWriter()
-        write_weights(walk, np.full(first.shape, difference), first.shape)
+        write_weights(walk, np.full(first.shape, difference))
         with pytest.raises(CorruptStreamError, match="steps"):
             read_tile(header, walk.finish())
 

@@ -9,13 +9,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import torch
+from frequency_tables import SCALES, frequency_tables
 from numpy.typing import NDArray
 from random_fit import random_networks
+from symbols import SymbolWriter
 
-from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
-from sgicodec.bitstream.entropy.tables import SCALES, frequency_tables
 from sgicodec.bitstream.header import Header
-from sgicodec.bitstream.parts.attributes import quantise_attributes, write_attributes
+from sgicodec.bitstream.parts.tile import TileModel, quantise
 from sgicodec.fit.context_weights import ContextWeights, float_weights
 from sgicodec.fit.noise import NoiseKey
 from sgicodec.fit.step_sizes import flat_steps
@@ -50,7 +50,7 @@ def test_the_tables_cost_what_the_fit_believes(family: int, bits: Rate, scale: i
     """Symbols that a scale index makes likely: the fit's bits with σ = 2^((index − 24) / 6) steps."""
     sigma = 2.0 ** ((scale - SCALE_ZERO) / PER_OCTAVE)
     symbols = np.arange(-math.ceil(3 * sigma), math.ceil(3 * sigma) + 1)
-    coded = frequency_tables().bits(symbols, np.full(len(symbols), scale + SCALES * family))
+    coded = frequency_tables().bits(symbols, scale + SCALES * family)
     believed = bits(torch.tensor(symbols, dtype=torch.float64), torch.ones(1).double(), torch.tensor(sigma).double())
     likely = coded < 18
     np.testing.assert_allclose(believed.numpy()[likely], coded[likely], atol=0.02)
@@ -90,10 +90,12 @@ def test_the_fit_counts_the_bits_that_are_written(spec: ModelSpec) -> None:
     values = {g.name: rng.normal(size=(len(layout), g.size)) * SPREAD[g.name] for g in spec.groups}
     plan, networks, signs, net = default_plan(spec, QUALITY), *context_of(spec)
     header = Header(*SIZE, "multi", "uint8", (0.0, 255.0), "default", replace(spec, luma_space=False), QUALITY, FAMILY)
-    quantised = quantise_attributes(header, layout, plan, networks, signs, values)
+    nothing = np.zeros((0, 0, 0), np.int64)
+    quantised = quantise(header, TileModel(layout, plan, 0, nothing, {}, networks, signs, values))
     writer = SymbolWriter()
-    write_attributes(writer, quantised)
-    written = sum(writer.bits[group.name] for group in spec.groups)
+    for run in quantised.runs:
+        writer.code(run.symbols, run.tables)
+    written = writer.bits
 
     decoded = torch.from_numpy(quantised.values)
     rounded = {group.name: decoded[:, group.columns].float() for group in spec.groups}

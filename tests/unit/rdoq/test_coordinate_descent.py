@@ -36,8 +36,8 @@ def passed(objective: Objective, model: TileModel, lmbda: float) -> tuple[TileMo
 def coded(objective: Objective, model: TileModel) -> tuple[NDArray[np.float64], dict[str, float]]:
     """Attributes [N, d_A] as a stream would hold them, and the bits of its parts."""
     quantised = quantise(objective.header, model)
-    _, walk = write_tile(objective.header, model)
-    return quantised.values, walk.bits
+    _, bits = write_tile(objective.header, model)
+    return quantised.values, bits
 
 
 @pytest.mark.parametrize("isa", ISAS)

@@ -10,11 +10,9 @@ from data_files import crop
 from examples import examples
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from symbols import SymbolReader, SymbolWriter, write_texture
 from textures import assert_same, read_texture
 
-from sgicodec._native import SymbolReader
-from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
-from sgicodec.bitstream.parts.texture import write_texture
 from sgicodec.device import Device
 from sgicodec.model.texture_symbols import (
     LAPPED,
@@ -43,9 +41,8 @@ def residual() -> np.ndarray:
 
 def payload_of(layer: TextureSymbols) -> tuple[bytes, float]:
     writer = SymbolWriter()
-    with writer.part("texture"):
-        write_texture(writer, layer.size, len(layer.symbols), layer)
-    return writer.finish(), writer.bits["texture"]
+    write_texture(writer, layer.size, len(layer.symbols), layer)
+    return writer.finish(), writer.bits
 
 
 def squared_error(residual: np.ndarray, layer: TextureSymbols) -> float:

@@ -6,12 +6,18 @@ import constriction
 import numpy as np
 import pytest
 from examples import examples
+from frequency_tables import (
+    MAX_MAGNITUDE,
+    TABLES,
+    escape_model,
+    frequency_tables,
+    uniform_model,
+    zero_centred_model,
+)
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from symbols import SymbolReader
 
-from sgicodec._native import SymbolReader
-from sgicodec.bitstream.entropy.symbol_models import escape_model, uniform_model, zero_centred_model
-from sgicodec.bitstream.entropy.tables import MAX_MAGNITUDE, TABLES, frequency_tables
 from sgicodec.errors import CorruptStreamError
 
 COUNT = 40

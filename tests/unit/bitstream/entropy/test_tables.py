@@ -1,16 +1,10 @@
 import hashlib
 import math
-from importlib.resources import files
 
 import numpy as np
 import pytest
-
-from sgicodec.bitstream.entropy.tables import (
-    SCALES,
-    TABLES,
-    TOTAL,
-    frequency_tables,
-)
+from frequency_tables import FILE, SCALES, TABLES, TOTAL, frequency_tables
+from symbols import SymbolReader, SymbolWriter, write_weights
 
 SHA256 = "7e86137a6abd4543b53f667e7ca867ab8bba768232796e9b2458be738410b1e0"
 
@@ -22,12 +16,12 @@ def survival(table: int, x: float) -> float:
 
 
 def test_the_committed_file_is_the_specified_one() -> None:
-    assert hashlib.sha256(files("sgicodec.bitstream.entropy").joinpath("tables.bin").read_bytes()).hexdigest() == SHA256
+    assert hashlib.sha256(FILE.read_bytes()).hexdigest() == SHA256
 
 
 @pytest.mark.parametrize("table", range(TABLES))
 def test_frequencies_are_the_distribution_rounded(table: int) -> None:
-    frequency = frequency_tables().frequencies(table)
+    frequency = frequency_tables().of_table[table]
     support = len(frequency) // 2 - 1
     assert frequency.sum() == TOTAL
     assert frequency.min() >= 1
@@ -39,9 +33,15 @@ def test_frequencies_are_the_distribution_rounded(table: int) -> None:
     assert support == 511 or 2 * tails[support] < 2**-18
 
 
-def test_best_finds_the_family_and_scale_that_symbols_came_from() -> None:
+def test_a_writer_finds_the_family_and_scale_that_symbols_came_from() -> None:
     rng = np.random.default_rng(1)
-    tables = frequency_tables()
-    assert abs(tables.best(np.rint(rng.normal(0, 4, 20000))) - 36) <= 1  # 2**((36 − 24) / 6) = 4
-    assert abs(tables.best(np.rint(rng.laplace(0, 4 / math.sqrt(2), 20000))) - (SCALES + 36)) <= 1
-    assert tables.best(np.zeros(0)) == 0
+    assert abs(best(np.rint(rng.normal(0, 4, 20000))) - 36) <= 1  # 2**((36 − 24) / 6) = 4
+    assert abs(best(np.rint(rng.laplace(0, 4 / math.sqrt(2), 20000))) - (SCALES + 36)) <= 1
+    assert best(np.zeros(0)) == 0
+
+
+def best(symbols: np.ndarray) -> int:
+    """The table that a writer chooses for them."""
+    writer = SymbolWriter()
+    write_weights(writer, symbols)
+    return int(SymbolReader(writer.finish()).read_bits(7, 1)[0])

@@ -10,7 +10,7 @@ import pytest
 from integer_root import root
 
 from sgicodec.bitstream.header import Header
-from sgicodec.bitstream.parts.attributes import quantise_attributes
+from sgicodec.bitstream.parts.tile import TileModel, quantise
 from sgicodec.model.context import network_shapes
 from sgicodec.model.layout import SeedLayout
 from sgicodec.model.network import IntNetwork
@@ -38,7 +38,9 @@ def shape_steps(colours: list[list[int]], base: int) -> np.ndarray:
     layout = SeedLayout(corner, np.ones(n, np.int8))
     header = Header(2 * n, 2, "multi", "uint8", (0.0, 255.0), "default", SPEC, 0, 0)
     values = {"colour": np.array(colours) / 2.0**12, "shape": np.zeros((n, 3)), "offset": np.zeros((n, 2))}
-    coded = quantise_attributes(header, layout, StepPlan(bases, plan.gamma), networks, [], values)
+    nothing = np.zeros((CHANNELS, 0, 0), np.int64)
+    model = TileModel(layout, StepPlan(bases, plan.gamma), 0, nothing, {}, networks, [], values)
+    coded = quantise(header, model)
     assert np.array_equal(coded.decoded[:, :CHANNELS], np.array(colours) << 12)
     steps = np.concatenate([run.steps for run in coded.runs if run.group == "shape"])[:, 0]
     order = np.argsort(np.concatenate([np.arange(n)[start::2] for start in (0, 1)]))  # even places are coded first

@@ -3,10 +3,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
+from symbols import SymbolReader, SymbolWriter, write_base, write_signs, write_weights
 
-from sgicodec._native import SymbolReader
-from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
-from sgicodec.bitstream.parts.arrays import write_base, write_signs, write_weights
 from sgicodec.errors import CorruptStreamError
 
 integers = st.one_of(st.integers(-3, 3), st.integers(-300, 300), st.integers(-100_000, 100_000))
@@ -17,7 +15,7 @@ planes = hnp.arrays(np.int32, st.tuples(st.integers(1, 4), st.integers(1, 9), st
 @given(tensors)
 def test_weights_round_trip(weights: np.ndarray) -> None:
     writer = SymbolWriter()
-    write_weights(writer, weights, weights.shape)
+    write_weights(writer, weights)
     reader = SymbolReader(writer.finish())
     assert np.array_equal(reader.read_weights(weights.size), weights.reshape(-1))
     reader.finish()
@@ -37,7 +35,7 @@ def test_signs_round_trip(levels: list[list[int]]) -> None:
 @given(planes)
 def test_base_round_trip(base: np.ndarray) -> None:
     writer = SymbolWriter()
-    write_base(writer, base, base.shape)
+    write_base(writer, base)
     reader = SymbolReader(writer.finish())
     assert np.array_equal(reader.read_base(*base.shape), base)
     reader.finish()
@@ -49,7 +47,7 @@ def test_values_are_predicted_as_the_format_says(shape: tuple[int, int]) -> None
     errors = np.random.default_rng(8).integers(-20, 20, (3, *shape))
     writer = SymbolWriter()
     for channel in errors:
-        write_weights(writer, channel, shape)
+        write_weights(writer, channel)
     planes = np.zeros_like(errors)
     for c, i, j in np.ndindex(*errors.shape):
         west = int(planes[c, i, j - 1]) if j else int(planes[c, i - 1, j]) if i else 0
@@ -60,6 +58,6 @@ def test_values_are_predicted_as_the_format_says(shape: tuple[int, int]) -> None
 
 def test_values_that_grow_beyond_the_cap_are_corrupt() -> None:
     writer = SymbolWriter()
-    write_weights(writer, np.full((1, 3), 2**19), (1, 3))
+    write_weights(writer, np.full((1, 3), 2**19))
     with pytest.raises(CorruptStreamError, match="base layer"):
         SymbolReader(writer.finish()).read_base(1, 1, 3)

@@ -7,11 +7,8 @@ import pytest
 from examples import examples
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from symbols import Seeds, SymbolReader, SymbolWriter, write_positions, write_weights
 
-from sgicodec._native import SymbolReader
-from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
-from sgicodec.bitstream.parts.arrays import write_weights
-from sgicodec.bitstream.parts.positions import Seeds, write_positions
 from sgicodec.errors import CorruptStreamError, LimitError
 from sgicodec.model.morton import canonical_order
 
@@ -76,7 +73,7 @@ def test_a_seed_beyond_the_tile_is_corrupt(last: int, sound: bool) -> None:
     writer = SymbolWriter()
     writer.code_int(1, 32)
     writer.code_int(0, 4)
-    write_weights(writer, np.array([last // 2 if last % 2 == 0 else -(last + 1) // 2]), (1,))
+    write_weights(writer, np.array([last // 2 if last % 2 == 0 else -(last + 1) // 2]))
     reader = SymbolReader(writer.finish())
     if sound:
         assert reader.read_positions((10, 6), 9)[0].tolist() == [[9, 5]]

@@ -13,13 +13,12 @@ from examples import examples
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from reference_decoder import Bits
+from symbols import SymbolReader, SymbolWriter
 from texture_forger import spelled
 from texture_reader import LOGISTIC, TextureReader
 from textures import assert_same, payload_of, random_symbols, read_back, read_texture
 
 from sgicodec import read
-from sgicodec._native import SymbolReader
-from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
 from sgicodec.device import ONE_THREAD
 from sgicodec.errors import CorruptStreamError
 from sgicodec.model.texture_symbols import SAME_COLOURS, TextureGrid, TextureSteps, TextureSymbols

@@ -8,10 +8,9 @@ import numpy as np
 import pytest
 from data_files import DATA
 from numpy.typing import NDArray
+from symbols import SymbolWriter, write_texture
 
 from sgicodec import read
-from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
-from sgicodec.bitstream.parts.texture import write_texture
 from sgicodec.device import ONE_THREAD
 from sgicodec.encoder.tile.perceptual import ScoreAscent
 from sgicodec.encoder.tile.screen import Screen
@@ -78,9 +77,8 @@ class Case:
 
     def bits(self) -> float:
         writer = SymbolWriter()
-        with writer.part("texture"):
-            write_texture(writer, self.search.size, 3, self.found(self.blocks))
-        return writer.bits["texture"]
+        write_texture(writer, self.search.size, 3, self.found(self.blocks))
+        return writer.bits
 
 
 @pytest.mark.parametrize("luma_space", [False, True])

@@ -1,4 +1,4 @@
-#include "bitstream/range_decoder.hpp"
+#include "bitstream/range_coder.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -11,6 +11,9 @@ namespace {
 
 constexpr int kPrecision = 24;
 constexpr uint64_t kTotal = uint64_t(1) << kPrecision;
+constexpr int kPiece = 16;  // bits of a value that are coded at once
+
+double content_of(int64_t bytes, uint64_t range) { return 8 * double(bytes) - std::log2(double(range)); }
 
 }  // namespace
 
@@ -19,7 +22,6 @@ SymbolModels::SymbolModels(const int64_t *frequency, const int64_t *start, int64
   for (int64_t k = 0; k < models; ++k) {
     uint32_t sum = 0;
     for (int64_t i = start[k]; i < start[k + 1]; ++i) {
-      if (!frequency[i]) continue;
       sums_.push_back(sum);
       sum += uint32_t(frequency[i]);
     }
@@ -69,13 +71,9 @@ inline void RangeDecoder::take(uint64_t scale, uint32_t before, uint32_t frequen
   }
 }
 
-void RangeDecoder::decode(const SymbolModels &models, const int64_t *start, int64_t keys, int32_t *out) {
+void RangeDecoder::code(const SymbolModels &models, const int64_t *start, int64_t keys, int32_t *symbols) {
   for (int64_t k = 0; k < keys; ++k) {
-    const uint32_t *sums = models.sums_.data() + models.first_[k];
-    if (models.first_[k + 1] - models.first_[k] == 2) {  // one symbol, which codes nothing
-      std::fill(out + start[k], out + start[k + 1], 0);
-      continue;
-    }
+    const uint32_t *sums = models.sums(k);
     if (models.bucket_[k] < 0) {  // few symbols: products take less time than a division
       const auto count = int32_t(models.symbols(k));
       for (int64_t i = start[k]; i < start[k + 1]; ++i) {
@@ -84,7 +82,7 @@ void RangeDecoder::decode(const SymbolModels &models, const int64_t *start, int6
         while (s < count && offset_ >= scale * sums[s + 1]) ++s;
         if (s == count) refuse_payload();
         take(scale, sums[s], sums[s + 1] - sums[s]);
-        out[i] = s;
+        symbols[i] = s;
       }
       continue;
     }
@@ -93,33 +91,60 @@ void RangeDecoder::decode(const SymbolModels &models, const int64_t *start, int6
       const uint32_t found = quantile(scale);
       const int32_t s = models.find(models.bucket_[k], sums, found);
       take(scale, sums[s], sums[s + 1] - sums[s]);
-      out[i] = s;
+      symbols[i] = s;
     }
   }
 }
 
-void RangeDecoder::decode_uniform(int bits, int64_t count, int32_t *out) {
-  constexpr int kPiece = 16;
+void RangeDecoder::code_uniform(int bits, int64_t count, int32_t *values) {
   if (bits > kPiece) {
     std::vector<int32_t> low(static_cast<size_t>(count));
-    decode_uniform(bits - kPiece, count, out), decode_uniform(kPiece, count, low.data());
-    for (int64_t i = 0; i < count; ++i) out[i] = int32_t(uint32_t(out[i]) << kPiece | uint32_t(low[size_t(i)]));
+    code_uniform(bits - kPiece, count, values), code_uniform(kPiece, count, low.data());
+    for (int64_t i = 0; i < count; ++i) values[i] = int32_t(uint32_t(values[i]) << kPiece | uint32_t(low[size_t(i)]));
     return;
   }
-  if (bits == 0) std::fill(out, out + count, 0), count = 0;
+  if (bits == 0) std::fill(values, values + count, 0), count = 0;
   const int shift = kPrecision - bits;
   for (int64_t i = 0; i < count; ++i) {
     const uint64_t scale = range_ >> kPrecision;
     const uint32_t s = quantile(scale) >> shift;
     take(scale, s << shift, uint32_t(1) << shift);
-    out[i] = int32_t(s);
+    values[i] = int32_t(s);
   }
 }
 
-double RangeDecoder::content() const { return 8 * double(at_) - std::log2(double(range_)); }
+double RangeDecoder::content() const { return content_of(at_, range_); }
 
 bool RangeDecoder::maybe_exhausted() const {
   return at_ >= int64_t(payload_.size()) && offset_ < (uint64_t(1) << 33) - 1;
+}
+
+void RangeEncoder::code(const SymbolModels &models, const int64_t *start, int64_t keys, const int32_t *symbols) {
+  for (int64_t k = 0; k < keys; ++k)
+    for (int64_t i = start[k]; i < start[k + 1]; ++i) {
+      const uint32_t *const before = models.sums(k) + symbols[i];
+      put(before[0], before[1] - before[0]);
+    }
+}
+
+void RangeEncoder::code_uniform(int bits, int64_t count, const int32_t *values) {
+  for (int low = bits > kPiece ? kPiece : 0; low >= 0; low -= kPiece) {  // the high pieces of all, then the low ones
+    const int shift = kPrecision - std::min(bits - low, kPiece);
+    const uint32_t mask = (uint32_t(1) << (kPrecision - shift)) - 1;
+    for (int64_t i = 0; i < count && mask; ++i) put((uint32_t(values[i]) >> low & mask) << shift, uint32_t(1) << shift);
+  }
+}
+
+double RangeEncoder::content() const { return content_of(4 * int64_t(words_.size() + 2), range_); }
+
+std::vector<uint8_t> RangeEncoder::finish() {
+  raise((uint64_t(1) << 32) - 1);
+  words_.push_back(uint32_t(lower_ >> 32));
+  std::vector<uint8_t> payload;
+  for (const uint32_t word : words_)
+    for (int shift = 24; shift >= 0; shift -= 8) payload.push_back(uint8_t(word >> shift));
+  while (!payload.empty() && payload.back() == 0) payload.pop_back();
+  return payload;
 }
 
 }  // namespace sgi

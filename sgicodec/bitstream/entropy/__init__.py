@@ -1,1 +1,0 @@
-"""Symbols to bytes and back: range coder, frequency tables."""
