@@ -44,14 +44,14 @@ def layers(picture: Picture) -> Iterator[TextureSymbols]:
 
 
 def train(paths: list[Path]) -> bytes:
-    """What the contexts say after all pictures, the mean of many orders, as `TextureModels` takes it."""
+    """What the contexts say after all pictures, the mean of many orders, as `texture.bin` holds it."""
     everything = [layer for path in paths for layer in layers(read(path))]
     logits = []
     for order in range(ORDERS):
         random.Random(order).shuffle(everything)
         models = TextureModels()
         for layer in everything:
-            models.learn(layer.log_size, layer.contrast, layer.symbols, layer.size, layer.steps.has_contrast)
+            models.learn(layer)
         logits.append(models.logits())
     sixteenths = np.rint(np.mean(logits, axis=0) / UNIT).clip(-127, 127)
     return bytes(sixteenths.astype(np.int8))

@@ -14,6 +14,7 @@
 #include "bindings/arrays.hpp"
 #include "bindings/bindings.hpp"
 #include "bindings/textures.hpp"
+#include "bindings/tile_models.hpp"
 #include "bitstream/texture_cells.hpp"
 #include "bitstream/texture_stream.hpp"
 #include "rdoq/texture_colour_search.hpp"
@@ -82,24 +83,14 @@ sgi::TextureGrid sgi::grid_of(TextureGridFields given) {
 
 namespace {
 
-void require_field(const TextureField &field, Size size) {
-  require(field.width == sgi::texture_roots(size.first) * 32 && field.height == sgi::texture_roots(size.second) * 32,
-          "the layer must have the roots of the tile");
-}
-
-sgi::TextureSteps steps_of(const Array<const float, 1> &steps, std::pair<float, float> slope) {
-  for (size_t i = 0; i < steps.size(); ++i) require(steps.data()[i] > 0, "steps must be positive");
-  require(slope.first >= 0 && slope.second >= 0, "slopes must not be negative");
-  return {{steps.data(), steps.data() + steps.size()}, {slope.first, slope.second}};
-}
-
-void require_contrasts(const sgi::TextureAmplitudes &amplitudes, Contrasts contrast, Array<const float, 1> steps) {
+// Steps that suit the amplitudes, as the contrasts must.
+sgi::TextureSteps steps_of(nb::handle steps, const sgi::TextureAmplitudes &amplitudes, Contrasts contrast) {
   const auto down = size_t(amplitudes.height >> sgi::kTextureRoot);
   const auto across = size_t(amplitudes.width >> sgi::kTextureRoot);
-  require(has_shape(contrast, down, across) && steps.size() == size_t(amplitudes.channels),
-          "contrast [h, w] of the roots, steps [C]");
+  require(has_shape(contrast, down, across), "contrast [h, w] of the roots");
   for (size_t i = 0; i < contrast.size(); ++i)
     require(std::abs(int(contrast.data()[i])) <= sgi::kContrastLimit, "contrasts must be -15..15");
+  return sgi::indices_of(steps, size_t(amplitudes.channels)).steps();
 }
 
 // Cells of a layer that suit the amplitudes, null for none given.
@@ -113,41 +104,31 @@ const uint8_t *require_division(const sgi::TextureAmplitudes &amplitudes, const 
   return division->data();
 }
 
-class TextureModels {
- public:
-  TextureModels() : models_(sgi::fresh_texture_models()) {}
-  explicit TextureModels(BitModels models) : models_(std::move(models)) {}
-  explicit TextureModels(nb::bytes state) : TextureModels() {
-    require(models_.start(sgi::bytes_of(state)), "these are not texture models");
-  }
+// The width and height of a layer's tile.
+Size size_of(nb::handle layer) { return nb::cast<Size>(layer.attr("size")); }
 
-  auto logits() const { return as_array(models_.logits()); }
+void learn(BitModels &models, nb::handle layer) {
+  const sgi::CodedTexture texture = sgi::texture_of(layer);
+  const auto [width, height] = size_of(layer);
+  const Size sides = texture.indices.grid.layer_sides(width, height);
+  sgi::BitTaker nowhere;
+  sgi::write_texture(models, nowhere, texture.field, sides.first, sides.second, texture.indices.has_contrast);
+}
 
-  void learn(LogSizes log_size, Contrasts contrast, SymbolPlanes symbols, Size size, bool has_contrast) {
-    const TextureField field = sgi::field_of(log_size, contrast, symbols);
-    require_field(field, size);
-    sgi::BitTaker nowhere;
-    sgi::write_texture(models_, nowhere, field, size.first, size.second, has_contrast);
-  }
-
-  auto search(const sgi::TextureAmplitudes &amplitudes, Contrasts contrast, Array<const float, 1> steps,
-              std::pair<float, float> slope, float lmbda, bool has_contrast, float split_margin,
-              std::optional<LogSizes> division) const {
-    require_contrasts(amplitudes, contrast, steps);
-    require(lmbda >= 0, "lmbda must not be negative");
-    require(split_margin >= 1, "split_margin must be at least 1");
-    const uint8_t *const cells = require_division(amplitudes, division);
-    const sgi::TextureSteps all = steps_of(steps, slope);
-    sgi::TextureFound found = [&] {
-      nb::gil_scoped_release release;
-      return sgi::search_texture(models_, amplitudes, contrast.data(), all, {lmbda, has_contrast, split_margin}, cells);
-    }();
-    return std::tuple(sgi::field_arrays(std::move(found.field)), found.count, found.excess);
-  }
-
- private:
-  BitModels models_;
-};
+auto search_texture(const sgi::TextureAmplitudes &amplitudes, Contrasts contrast, nb::handle steps, float lmbda,
+                    float split_margin, std::optional<LogSizes> division) {
+  require(lmbda >= 0, "lmbda must not be negative");
+  require(split_margin >= 1, "split_margin must be at least 1");
+  const uint8_t *const cells = require_division(amplitudes, division);
+  const sgi::TextureSteps all = steps_of(steps, amplitudes, contrast);
+  const bool has_contrast = nb::cast<bool>(steps.attr("has_contrast"));
+  sgi::TextureFound found = [&] {
+    nb::gil_scoped_release release;
+    return sgi::search_texture(sgi::shipped_texture_models(), amplitudes, contrast.data(), all,
+                               {lmbda, has_contrast, split_margin}, cells);
+  }();
+  return std::tuple(sgi::field_arrays(std::move(found.field)), found.count, found.excess);
+}
 
 void require_planes(Array<const float, 3> planes, Size size) {
   require_size(size, planes.shape(0));
@@ -173,13 +154,12 @@ void make_amplitudes(sgi::TextureAmplitudes *self, Array<const float, 3> planes,
   new (self) sgi::TextureAmplitudes(planes.data(), int(planes.shape(0)), layout, threads, mixed);
 }
 
-auto cheapest_colours(Array<const float, 3> planes, Contrasts contrast, Array<const float, 1> steps,
-                      std::pair<float, float> slope, float lmbda, bool separate, int threads) {
+auto cheapest_colours(Array<const float, 3> planes, Contrasts contrast, nb::handle steps, float lmbda, bool separate,
+                      int threads) {
   const size_t down = contrast.shape(0), across = contrast.shape(1);
-  require(down && across && planes.shape(1) == 32 * down && planes.shape(2) == 32 * across,
-          "contrast [h, w] of the roots, planes [C, 32 h, 32 w]");
-  require(planes.shape(0) >= 3 && steps.size() == planes.shape(0), "three channels or more, steps [C]");
-  const sgi::TextureSteps all = steps_of(steps, slope);
+  require(down && across && planes.shape(1) == 32 * down && planes.shape(2) == 32 * across && planes.shape(0) >= 3,
+          "contrast [h, w] of the roots, planes [C, 32 h, 32 w], three or more");
+  const sgi::TextureSteps all = sgi::indices_of(steps, planes.shape(0)).steps();
   nb::gil_scoped_release release;
   const sgi::TextureColours found = sgi::cheapest_colours(planes.data(), int64_t(32 * across), int64_t(32 * down),
                                                           contrast.data(), all, lmbda, separate, threads);
@@ -187,73 +167,65 @@ auto cheapest_colours(Array<const float, 3> planes, Contrasts contrast, Array<co
 }
 
 void move_amplitudes(sgi::TextureAmplitudes &amplitudes, Array<const float, 3> gradient, Contrasts contrast,
-                     Array<const float, 1> steps, std::pair<float, float> slope, float mean, float most,
-                     std::optional<LogSizes> division) {
+                     nb::handle steps, float mean, float most, std::optional<LogSizes> division) {
   require_planes(gradient, {amplitudes.layout.width, amplitudes.layout.height});
   require(int(gradient.shape(0)) == amplitudes.channels, "a gradient of as many channels");
-  require_contrasts(amplitudes, contrast, steps);
   const uint8_t *const cells = require_division(amplitudes, division);
-  const sgi::TextureSteps all = steps_of(steps, slope);
+  const sgi::TextureSteps all = steps_of(steps, amplitudes, contrast);
   nb::gil_scoped_release release;
   amplitudes.move(gradient.data(), contrast.data(), all, mean, most, cells);
 }
 
-double estimate_texture(const sgi::TextureAmplitudes &amplitudes, Contrasts contrast, Array<const float, 1> steps,
-                        std::pair<float, float> slope, float lmbda, bool has_contrast) {
-  require_contrasts(amplitudes, contrast, steps);
+double estimate_texture(const sgi::TextureAmplitudes &amplitudes, Contrasts contrast, nb::handle steps, float lmbda) {
   require(lmbda >= 0, "lmbda must not be negative");
-  const sgi::TextureSteps all = steps_of(steps, slope);
+  const sgi::TextureSteps all = steps_of(steps, amplitudes, contrast);
+  const bool has_contrast = nb::cast<bool>(steps.attr("has_contrast"));
   const nb::gil_scoped_release release;
   return sgi::estimate_texture(amplitudes, contrast.data(), all, {lmbda, has_contrast, 1});
 }
 
-void draw_texture(LogSizes log_size, Contrasts contrast, SymbolPlanes symbols, Array<const float, 1> steps,
-                  std::pair<float, float> slope, std::array<float, 3> excess, Colours colours,
-                  sgi::TextureGridFields indices, int threads, const std::string &isa, Array<float, 3> planes) {
-  const size_t channels = symbols.shape(0);
-  require(steps.size() == channels && planes.shape(0) == channels, "steps [C], planes [C, h, w]");
-  const int64_t height = int64_t(planes.shape(1)), width = int64_t(planes.shape(2));
-  require_size({width, height}, channels);
-  const sgi::TextureColours mixed = colours_of(colours, channels);
-  const sgi::TextureSteps all = steps_of(steps, slope);
-  const sgi::TextureGrid grid = sgi::grid_of(indices);
-  TextureField field = sgi::field_of(log_size, contrast, symbols);
-  require_field(field, grid.layer_sides(width, height));
-  const nb::gil_scoped_release release;
-  field.find_extents();
-  sgi::TextureCells cells;
-  cells.reserve(field);
-  sgi::TextureDequantizer dequantizer(all, excess, mixed, cells);
-  sgi::read_cells(field, dequantizer);
-  sgi::draw_texture(cells.texture(int(channels), width, height, grid), {0, 1, 0, width}, {0, 1, 0, height}, threads,
-                    sgi::choose_isa(isa), planes.data());
+auto draw_texture(nb::handle layer, int threads, const std::string &isa) {
+  sgi::CodedTexture texture = sgi::texture_of(layer);
+  const auto [width, height] = size_of(layer);
+  const sgi::TextureIndices &indices = texture.indices;
+  const int channels = texture.field.channels;
+  const std::array shape{size_t(channels), size_t(height), size_t(width)};
+  std::vector<float> planes(shape[0] * shape[1] * shape[2]);
+  {
+    const nb::gil_scoped_release release;
+    texture.field.find_extents();
+    sgi::TextureCells cells;
+    cells.reserve(texture.field);
+    sgi::TextureDequantizer dequantizer(indices.steps(), indices.added(), indices.colours, cells);
+    sgi::read_cells(texture.field, dequantizer);
+    sgi::draw_texture(cells.texture(channels, width, height, indices.grid), {0, 1, 0, width}, {0, 1, 0, height},
+                      threads, sgi::choose_isa(isa), planes.data());
+  }
+  return as_array<float>(std::move(planes), shape);
 }
 
 }  // namespace
 
 void bind_texture_coding(nb::module_ &m) {
-  nb::class_<TextureModels>(m, "TextureModels")
-      .def(nb::init<>())
-      .def(nb::init<nb::bytes>(), "state"_a)
-      .def_static(
-          "shipped", [] { return TextureModels(sgi::shipped_texture_models()); },
-          "Those with which every layer begins.")
-      .def("logits", &TextureModels::logits, "What each context says, in 2^-16.")
-      .def("learn", &TextureModels::learn, "log_size"_a, "contrast"_a, "symbols"_a, "size"_a, "has_contrast"_a)
-      .def("search", &TextureModels::search, "amplitudes"_a, "contrast"_a, "steps"_a, "slope"_a, "lmbda"_a,
-           "has_contrast"_a, "split_margin"_a, "division"_a.none(),
-           "log_size, contrast and symbols; by magnitude 1, 2 and more the symbols and the sum of their excess.");
+  nb::class_<BitModels>(m, "TextureModels", "Adaptive models, which say nothing yet.")
+      .def("__init__", [](BitModels *self) { new (self) BitModels(sgi::fresh_texture_models()); })
+      .def(
+          "logits", [](const BitModels &self) { return as_array(self.logits()); }, "What each context says, in 2^-16.")
+      .def("learn", &learn, "layer"_a, "A TextureSymbols.");
   nb::class_<sgi::TextureAmplitudes>(m, "TextureAmplitudes")
       .def("__init__", &make_amplitudes, "planes"_a, "size"_a, "threads"_a, "colours"_a, "separate"_a,
            "planes [C, 32 h, 32 w]; size: of the layer, its pixels before the tile included.")
-      .def("estimate", &estimate_texture, "contrast"_a, "steps"_a, "slope"_a, "lmbda"_a, "has_contrast"_a,
+      .def("search", &search_texture, "contrast"_a, "steps"_a, "lmbda"_a, "split_margin"_a, "division"_a.none(),
+           "log_size, contrast and symbols; by magnitude 1, 2 and more the symbols and the sum of their excess. steps: "
+           "a "
+           "TextureSteps.")
+      .def("estimate", &estimate_texture, "contrast"_a, "steps"_a, "lmbda"_a,
            "Squared error plus lmbda times bits, in squared steps, of the best layer, about.")
-      .def("move", &move_amplitudes, "gradient"_a, "contrast"_a, "steps"_a, "slope"_a, "mean"_a, "most"_a,
-           "division"_a = nb::none(),
+      .def("move", &move_amplitudes, "gradient"_a, "contrast"_a, "steps"_a, "mean"_a, "most"_a, "division"_a.none(),
            "Moves them up a gradient, [C, 32 h, 32 w] of the roots, in the mean by `mean` of a step, at most by "
            "`most`; with log2 of the sides of a layer's cells [4 h, 4 w], those alone.");
-  m.def("draw_texture", &draw_texture, "log_size"_a, "contrast"_a, "symbols"_a, "steps"_a, "slope"_a, "excess"_a,
-        "colours"_a, "grid"_a, "threads"_a, "isa"_a, "planes"_a, "Draws a layer into planes [C, h, w] of its tile.");
-  m.def("cheapest_colours", &cheapest_colours, "planes"_a, "contrast"_a, "steps"_a, "slope"_a, "lmbda"_a, "separate"_a,
+  m.def("draw_texture", &draw_texture, "layer"_a, "threads"_a, "isa"_a,
+        "Planes [C, h, w] of the tile of a TextureSymbols.");
+  m.def("cheapest_colours", &cheapest_colours, "planes"_a, "contrast"_a, "steps"_a, "lmbda"_a, "separate"_a,
         "threads"_a, "Indices of the colours in which texture that shows these planes costs least, about.");
 }

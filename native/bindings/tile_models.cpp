@@ -1,6 +1,7 @@
 #include "bindings/tile_models.hpp"
 
 #include <nanobind/stl/array.h>
+#include <nanobind/stl/pair.h>
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
@@ -10,6 +11,7 @@
 
 #include "bindings/textures.hpp"
 #include "bitstream/restoration_part.hpp"
+#include "bitstream/texture_stream.hpp"
 
 namespace nb = nanobind;
 
@@ -93,21 +95,31 @@ RestorationChoice restoration_of(nb::handle given) {
 
 }  // namespace
 
-CodedTexture texture_of(nb::handle layer) {
-  const nb::object steps = layer.attr("steps");
+TextureIndices indices_of(nb::handle steps, size_t channels) {
   const auto colours = nb::cast<std::array<int, 3>>(steps.attr("colours"));
   TextureIndices indices{nb::cast<int>(steps.attr("step")),
                          nb::cast<std::vector<int32_t>>(steps.attr("ratios")),
                          nb::cast<std::array<int, 2>>(steps.attr("slopes")),
                          nb::cast<std::array<int, 3>>(steps.attr("excess")),
                          nb::cast<bool>(steps.attr("has_contrast")),
-                         grid_of(nb::cast<TextureGridFields>(layer.attr("grid"))),
+                         {},
                          {{colours[0], colours[1]}, colours[2]}};
+  require(indices.ratios.size() + 1 == channels, "ratios [C - 1]");
+  require(indices.colours.same() || channels >= 3, "colours are of three channels or more");
+  require(indices.slopes[0] >= 0 && indices.slopes[1] >= 0, "slopes must not be negative");
+  return indices;
+}
+
+CodedTexture texture_of(nb::handle layer) {
   TextureField field =
       field_of(array_of<uint8_t, 2>(layer.attr("log_size")), array_of<int8_t, 2>(layer.attr("contrast")),
                array_of<int16_t, 3>(layer.attr("symbols")));
-  require(indices.ratios.size() + 1 == size_t(field.channels), "ratios [C - 1]");
-  require(indices.colours.same() || field.channels >= 3, "colours are of three channels or more");
+  TextureIndices indices = indices_of(layer.attr("steps"), size_t(field.channels));
+  indices.grid = grid_of(nb::cast<TextureGridFields>(layer.attr("grid")));
+  const auto [width, height] = nb::cast<std::pair<int64_t, int64_t>>(layer.attr("size"));
+  const auto sides = indices.grid.layer_sides(width, height);
+  require(field.width == texture_roots(sides.first) * 32 && field.height == texture_roots(sides.second) * 32,
+          "the layer must have the roots of the tile");
   return {std::move(indices), std::move(field)};
 }
 

@@ -12,7 +12,8 @@ namespace sgi {
 
 constexpr const char *kGroupNames[] = {"colour", "shape", "feature", "scales", "offset"};
 
-// A layer of texture of a Python TextureSymbols.
+// Steps of texture of a Python TextureSteps, for so many channels; its layer of a Python TextureSymbols.
+TextureIndices indices_of(nanobind::handle steps, size_t channels);
 CodedTexture texture_of(nanobind::handle layer);
 
 // Its seeds and how they are coded; and all of it. The attributes are given apart.

@@ -96,12 +96,6 @@ class TextureSteps:
         """Steps of the first channel at frequencies (1 at a period of two pixels), samples in 0..1."""
         return np.asarray(self.of_channels.item(0) * (1 + 0.5 * self.growth[0] * frequency**2))
 
-    @property
-    def added(self) -> tuple[float, float, float]:
-        """The excess as numbers."""
-        one, two, more = ((index - 8) / 32 for index in self.excess)
-        return one, two, more
-
 
 STEP_ZERO, STEP_COUNT = 480, 512
 SAME_STEP = 16
@@ -160,20 +154,4 @@ class TextureSymbols:
 
     def draw(self, device: Device = ONE_THREAD) -> F32:
         """What the layer adds to the channels of the tile [C, H, W]."""
-        width, height = self.size
-        planes = np.empty((len(self.symbols), height, width), np.float32)
-        steps = self.steps
-        draw_texture(
-            self.log_size,
-            self.contrast,
-            self.symbols,
-            steps.of_channels,
-            steps.growth,
-            steps.added,
-            steps.colours,
-            self.grid,
-            device.threads,
-            device.isa,
-            planes,
-        )
-        return planes
+        return draw_texture(self, device.threads, device.isa)

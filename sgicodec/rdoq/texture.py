@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec._native import TextureAmplitudes, cheapest_colours
-from sgicodec.bitstream.parts.texture import texture_models
 from sgicodec.device import ALL_CORES, Device
 from sgicodec.model.texture_symbols import (
     LAPPED,
@@ -28,9 +27,6 @@ F32 = NDArray[np.float32]
 SPLIT_SEARCH_MARGIN, NO_SPLIT_SEARCH = 1.06, 1.0
 """`split_margin` of a search: the usual one, and the least, which takes two thirds of the time for 1 % more bytes
 (docs/notes/2026-11-encode-speed.md has 1.03 to 1.06)."""
-
-_Layer = tuple[NDArray[np.uint8], NDArray[np.int8], NDArray[np.int16]]
-_Found = tuple[_Layer, list[float], list[float]]
 
 
 def superblock_planes(
@@ -54,8 +50,8 @@ def colours_for(
         return SAME_COLOURS
     columns, rows = roots_of(*grid.layer_size((width, height)))
     shown = np.zeros((rows, columns), np.int8) if offsets is None else offsets
-    planes, grown = superblock_planes(residual, grid=grid), (steps.of_channels, steps.growth)
-    return cheapest_colours(planes, shown, *grown, squared_steps, grid.separate, device.threads)
+    planes = superblock_planes(residual, grid=grid)
+    return cheapest_colours(planes, shown, steps, squared_steps, grid.separate, device.threads)
 
 
 class TextureSearch:
@@ -101,7 +97,8 @@ class TextureSearch:
         them.
         """
         division = None if blocks is None else blocks.log_size
-        parts, counts, excess = self._search(steps, squared_steps, offsets, division)
+        shown, margin = self._offsets(offsets), self.split_margin
+        parts, counts, excess = self._amplitudes.search(shown, steps, squared_steps, margin, division)
         added = tuple(_excess_index(sum_ / count) if count else 8 for count, sum_ in zip(counts, excess, strict=True))
         one, two, more = added
         layer = TextureSymbols(
@@ -128,32 +125,12 @@ class TextureSearch:
         alone are moved, where those that follow take them as they are.
         """
         planes = superblock_planes(gradient, "constant", self.grid)
-        channels, slope = steps.of_channels, steps.growth
         division = None if blocks is None else blocks.log_size
-        self._amplitudes.move(planes, self._offsets(offsets), channels, slope, mean, limit, division)
+        self._amplitudes.move(planes, self._offsets(offsets), steps, mean, limit, division)
 
     def estimate(self, steps: TextureSteps, squared_steps: float, offsets: NDArray[np.int8] | None) -> float:
         """What the best layer costs about, error and bits together, in squared steps; the others: see `at`."""
-        shown, channels, slope = self._offsets(offsets), steps.of_channels, steps.growth
-        return self._amplitudes.estimate(shown, channels, slope, squared_steps, steps.has_contrast)
-
-    def _search(
-        self,
-        steps: TextureSteps,
-        squared_steps: float,
-        offsets: NDArray[np.int8] | None,
-        division: NDArray[np.uint8] | None = None,
-    ) -> _Found:
-        return texture_models().search(
-            self._amplitudes,
-            self._offsets(offsets),
-            steps.of_channels,
-            steps.growth,
-            squared_steps,
-            steps.has_contrast,
-            self.split_margin,
-            division,
-        )
+        return self._amplitudes.estimate(self._offsets(offsets), steps, squared_steps)
 
     def _offsets(self, offsets: NDArray[np.int8] | None) -> NDArray[np.int8]:
         return np.zeros(self._shape, np.int8) if offsets is None else offsets

@@ -2,24 +2,15 @@
 
 from __future__ import annotations
 
-from functools import cache
-
 import numpy as np
 from numpy.typing import NDArray
 
-from sgicodec._native import TextureModels
 from sgicodec.model.texture_symbols import TextureGrid, TextureSteps, TextureSymbols
 
-__all__ = ["layer_of", "texture_models"]
+__all__ = ["layer_of"]
 
 Steps = tuple[int, list[int], tuple[int, int], tuple[int, int, int], bool, tuple[int, int, int], tuple[bool, int, int]]
 Read = tuple[Steps, NDArray[np.uint8], NDArray[np.int8], NDArray[np.int16]]
-
-
-@cache
-def texture_models() -> TextureModels:
-    """The shipped state of the adaptive models with which every layer begins."""
-    return TextureModels.shipped()
 
 
 def layer_of(read: Read | None, size: tuple[int, int]) -> TextureSymbols | None:

@@ -69,7 +69,8 @@ def test_symbols_are_counted_by_magnitude(
     if has_contrast:
         contrast[:] = np.random.default_rng(0).integers(-3, 4, contrast.shape)
     steps = TextureSteps(340, SAME, (0, 0), (8, 8, 8), has_contrast, colours=colours)
-    parts, counts, _ = TextureSearch(residual, colours=colours)._search(steps, PRICE, contrast)
+    search = TextureSearch(residual, colours=colours)
+    parts, counts, _ = search._amplitudes.search(contrast, steps, PRICE, search.split_margin, None)
     layer = TextureSymbols((160, 96), steps, *parts)
     magnitude = np.abs(layer.symbols)
     assert counts == [(magnitude == 1).sum(), (magnitude == 2).sum(), (magnitude > 2).sum()]
