@@ -29,7 +29,7 @@ from sgicodec.fit.trainer import Progress
 from sgicodec.metrics.learned import learned_distance, network
 from sgicodec.metrics.scores import scores
 from sgicodec.picture import Picture
-from sgicodec.profiles import PROFILES
+from sgicodec.profiles.paper import paper_parts
 
 __all__ = ["Bench", "bilinear", "reduced"]
 
@@ -171,12 +171,12 @@ class Bench:
     def _of_stream(self, row: PaperRow, coded: Coded) -> PaperRow:
         """A row with the bytes of a stream, its parts and its times."""
         with open_stream(coded.path) as stream:
-            survey, profile = stream.survey(), PROFILES[stream.header.profile]
+            survey, is_paper = stream.survey(), stream.header.profile == "paper"
         decode = partial(self._decoded, coded.path)
         seconds, cpu = (
             median_seconds([decode], _DECODES, clock)[0] for clock in (time.perf_counter, time.process_time)
         )
-        parts = profile.shown_parts(survey.part_bytes)
+        parts = paper_parts(survey.part_bytes) if is_paper else survey.part_bytes
         return replace(
             row,
             bytes=coded.path.stat().st_size,

@@ -214,13 +214,10 @@ def _default_target(source: str) -> str:
 def _settings(choices: dict[str, Any]) -> EncodeSettings:
     """The settings that were chosen. Raises UsageError for choices that exclude each other or make no sense."""
     from sgicodec.encoder.settings import EncodeSettings, refuse_several_goals
-    from sgicodec.profiles import PROFILES
 
     chosen = {name: value for name, value in choices.items() if value is not None}
     refuse_several_goals(chosen, "--")
-    for other in PROFILES.values():
-        for name, instead in other.scales.items() if other.name != chosen["profile"] else ():
-            if name in chosen:
-                profiles = f"{other.name} profile; give --{instead} to the {chosen['profile']} profile"
-                raise UsageError(f"--{name} is a scale of the {profiles}")
+    for name, instead in {"quality": "lmbda", "effort": "steps"}.items():
+        if name in chosen and chosen["profile"] == "paper":
+            raise UsageError(f"--{name} is a scale of the default profile; give --{instead} to the paper profile")
     return EncodeSettings(**chosen)

@@ -51,9 +51,13 @@ def _show(source: str, with_survey: bool, as_json: bool) -> None:
         parts = chunk_parts(stream.chunk_bytes, stream.size)
         if survey is not None:
             parts = all_parts(survey.part_bytes, stream.chunk_bytes, stream.size)
-    table = _profile_parts(facts["profile"], parts) if survey is not None else parts
+    table = parts
+    if survey is not None and facts["profile"] == "paper":
+        from sgicodec.profiles.paper import paper_parts
+
+        table = paper_parts(parts)
     if as_json:
-        own = {f"{facts['profile']}_parts": whole_bytes(table)} if table.keys() != parts.keys() else {}
+        own = {} if table is parts else {"paper_parts": whole_bytes(table)}
         print_json({"input": name_of(source)} | facts | {"parts": whole_bytes(parts)} | own)
         return
     click.echo(f"{display(source)}")
@@ -61,12 +65,6 @@ def _show(source: str, with_survey: bool, as_json: bool) -> None:
         click.echo(f"  {name:<12}{text}")
     click.echo()
     print_parts(table)
-
-
-def _profile_parts(profile: str, parts: Mapping[str, float]) -> dict[str, float]:
-    from sgicodec.profiles import PROFILES
-
-    return PROFILES[profile].shown_parts(parts)
 
 
 def _facts(stream: Stream, survey: Survey | None) -> dict[str, Any]:

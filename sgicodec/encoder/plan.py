@@ -122,12 +122,11 @@ def check_clipped(shape: Shape) -> None:
 def stream_plan(shape: Shape, settings: EncodeSettings) -> Plan:
     """The header and settings of a picture's tiles. Raises as `encode`."""
     grid = settings.grid(shape.width, shape.height)
-    profile = settings.chosen_profile
     _check_shape(shape)
     if settings.max_error is not None:
         check_clipped(shape)
     settings = _with_texture_that_fits(settings, shape.bands, grid)
-    spec = profile.spec(settings, shape.bands)
+    spec = settings.spec(shape.bands)
     if settings.tuned_for == "visual" and shape.channels in COLOURED_LAYOUTS and spec.plain:
         spec = replace(spec, luma_space=True)
     _check_model(spec, grid)
@@ -135,7 +134,7 @@ def stream_plan(shape: Shape, settings: EncodeSettings) -> Plan:
     header = Header(
         *(shape.width, shape.height, shape.channels, str(shape.dtype), shape.sample_range, settings.profile, spec),
         quality=quality_index(fit.lmbda),
-        family=profile.family,
+        family=int(settings.profile == "default"),
         tile=grid.tile,
         apron=grid.apron,
         masked="nodata" if shape.nodata is not None else "transparent" if alpha_index(shape.channels) else None,
@@ -193,15 +192,15 @@ def _check_model(spec: ModelSpec, grid: TileGrid) -> None:
 
 def _software(settings: EncodeSettings, fit: FitSettings) -> bytes:
     """What chunk `s` says."""
-    scales = settings.chosen_profile.scales
+    is_default = settings.profile == "default"
     if settings.target_label:
         asked = settings.target_label
-    elif settings.lmbda is not None or "quality" not in scales:
+    elif settings.lmbda is not None or not is_default:
         asked = f"l{fit.lmbda:g}"
     elif settings.quality is None and settings.max_error is not None:
         asked = f"max-error{settings.max_error:g}" if settings.max_error else "lossless"
     else:
         asked = f"q{settings.chosen_quality:g}"
-    took = f"e{settings.effort}" if "effort" in scales and settings.steps is None else f"n{fit.steps}"
-    asked += f" {settings.tuned_for}" if settings.chosen_profile.has_tunings else ""
+    took = f"e{settings.effort}" if is_default and settings.steps is None else f"n{fit.steps}"
+    asked += f" {settings.tuned_for}" if is_default else ""
     return f"{__version__} {asked} {took}".encode()

@@ -11,10 +11,11 @@ from typing import Any, Literal
 from sgicodec.bitstream.header import MAX_APRON, MAX_SIDE, MIN_TILE
 from sgicodec.encoder.effort import DEFAULT_EFFORT, Effort, Tune, effort_of, steps_of
 from sgicodec.errors import UsageError
+from sgicodec.model.spec import ModelSpec
 from sgicodec.model.tile_grid import TileGrid
-from sgicodec.profiles import PROFILES, Profile
-from sgicodec.profiles.default import DEFAULT_QUALITY
+from sgicodec.profiles.default import DEFAULT_QUALITY, default_settings, default_spec, lmbda_of_quality
 from sgicodec.profiles.fit_settings import FitSettings
+from sgicodec.profiles.paper import PAPER_STEPS, paper_settings, paper_spec
 from sgicodec.rate_control.target import TARGETS, RateTarget
 
 __all__ = ["APRON", "TILE", "EncodeSettings", "refuse_several_goals"]
@@ -38,6 +39,9 @@ _KINDS: dict[str, tuple[type, str]] = {
     "Literal": (str, "a name"),
 }
 """What settings are, by their annotations, and how a message says so."""
+
+_OF_ONE_PROFILE = {"prior": "default"} | dict.fromkeys(("seeds", "per_seed", "features", "levels"), "paper")
+"""Settings that no other profile has."""
 
 
 @dataclass(frozen=True)
@@ -102,14 +106,21 @@ class EncodeSettings:
     loss; None for no layer, but for text, line art and screens that take no more bytes so.
     """
 
-    @property
-    def chosen_profile(self) -> Profile:
-        """What differs from profile to profile."""
-        return PROFILES[self.profile]
+    def spec(self, channels: int) -> ModelSpec:
+        """The model of a picture with so many channels."""
+        if self.profile == "paper":
+            return paper_spec(channels, self.per_seed or 10, self.features or 50)
+        spec = replace(default_spec(channels, self.texture), restoration=self.texture and self.restores)
+        return spec if self.prior is None else replace(spec, context=replace(spec.context, prior=0))
 
     def fit_settings(self) -> FitSettings:
         """How each tile is fitted."""
-        return self.chosen_profile.fit_settings(self)
+        if self.profile == "paper":
+            lmbda = 0.001 if self.lmbda is None else self.lmbda
+            fit = paper_settings(lmbda, self.levels or 3, self.steps or PAPER_STEPS)
+            return replace(fit, seeds=self.seeds, seed=self.seed)
+        lmbda = lmbda_of_quality(self.chosen_quality) if self.lmbda is None else self.lmbda
+        return replace(default_settings(max(lmbda, 1e-9), self.fit_steps, self.fits_beneath_texture), seed=self.seed)
 
     @property
     def fit_steps(self) -> int:
@@ -131,7 +142,7 @@ class EncodeSettings:
         """What is asked for, or else follows from the other settings."""
         if self.tune is not None:
             return self.tune
-        if not self.chosen_profile.has_tunings:
+        if self.profile == "paper":
             return "psnr"
         if self.target is not None:
             return TARGETS[self.target].tune
@@ -162,7 +173,7 @@ class EncodeSettings:
     @property
     def is_quality_asked(self) -> bool:
         """Whether a quality says what the picture is to look like, named or not."""
-        return "quality" in self.chosen_profile.scales and self.lmbda is None and self.target is None
+        return self.profile == "default" and self.lmbda is None and self.target is None
 
     @property
     def target(self) -> str | None:
@@ -208,7 +219,7 @@ class EncodeSettings:
                 f"lmbda {self.lmbda}; it must not be negative, nor above {_MAX_LMBDA:g}",
             ),
             (1 <= self.effort <= 9, f"effort {self.effort}; it runs from 1 to 9"),
-            (self.profile in PROFILES, f"profile {self.profile}; there are {' and '.join(PROFILES)}"),
+            (self.profile in ("default", "paper"), f"profile {self.profile}; there are default and paper"),
             (self.tune in (None, "psnr", "visual"), f"tune {self.tune}; there are psnr and visual"),
             (self.per_seed is None or 1 <= self.per_seed <= 64, f"per-seed {self.per_seed}; 1 to 64"),
             (self.features is None or 1 <= self.features <= 512, f"features {self.features}; 1 to 512"),
@@ -241,14 +252,13 @@ class EncodeSettings:
         refuse_several_goals([*targets, *(["lmbda"] if self.lmbda is not None else [])])
         if targets and self.max_error is not None:
             raise UsageError(f"{targets[0]} and max-error exclude each other: a residual layer takes what it takes")
-        if self.tune == "visual" and not self.chosen_profile.has_tunings:
-            raise UsageError(f"the {self.profile} profile is not tuned for the eye")
-        if targets and not self.chosen_profile.has_targets:
+        if self.tune == "visual" and self.profile == "paper":
+            raise UsageError("the paper profile is not tuned for the eye")
+        if targets and self.profile == "paper":
             raise UsageError(f"{targets[0]} is a setting of the default profile")
-        for other in PROFILES.values():
-            for name in other.own_choices if other.name != self.profile else ():
-                if getattr(self, name) is not None:
-                    raise UsageError(f"{name} is a setting of the {other.name} profile; add --profile {other.name}")
+        for name, profile in _OF_ONE_PROFILE.items():
+            if profile != self.profile and getattr(self, name) is not None:
+                raise UsageError(f"{name} is a setting of the {profile} profile; add --profile {profile}")
 
 
 def refuse_several_goals(given: Collection[str], prefix: str = "") -> None:

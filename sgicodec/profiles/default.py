@@ -7,10 +7,9 @@ from dataclasses import replace
 from sgicodec._native import PRIOR
 from sgicodec.model.spec import ContextSpec, ModelSpec
 from sgicodec.profiles.fit_settings import FitSettings, Phase
-from sgicodec.profiles.profile import Choices, Profile
 from sgicodec.rate_control.quality_search import QUALITY_PER_OCTAVE
 
-__all__ = ["DEFAULT", "DEFAULT_LMBDA", "DEFAULT_QUALITY", "default_settings", "default_spec", "lmbda_of_quality"]
+__all__ = ["DEFAULT_LMBDA", "DEFAULT_QUALITY", "default_settings", "default_spec", "lmbda_of_quality"]
 
 _COARSE_SPLIT = 8.0
 """`FitSettings.split` of a coarse fit, whose first layout would have five times the seeds that stay
@@ -84,28 +83,3 @@ def lmbda_of_quality(quality: float) -> float:
 
 DEFAULT_QUALITY = 50.0
 DEFAULT_LMBDA = lmbda_of_quality(DEFAULT_QUALITY)
-
-
-def _spec(choices: Choices, channels: int) -> ModelSpec:
-    spec = default_spec(channels, texture=choices.texture)
-    if choices.prior is not None:
-        spec = replace(spec, context=replace(spec.context, prior=0))
-    return replace(spec, restoration=choices.texture and choices.restores)
-
-
-def _fit_settings(choices: Choices) -> FitSettings:
-    lmbda = lmbda_of_quality(choices.chosen_quality) if choices.lmbda is None else choices.lmbda
-    return default_settings(max(lmbda, 1e-9), choices.fit_steps, choices.fits_beneath_texture)
-
-
-DEFAULT = Profile(
-    name="default",
-    own_choices=("prior",),
-    family=1,
-    spec=_spec,
-    settings=_fit_settings,
-    scales={"quality": "lmbda", "effort": "steps"},
-    has_targets=True,
-    has_tunings=True,
-    has_overviews=True,
-)

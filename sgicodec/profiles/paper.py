@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Mapping
 
 from sgicodec.errors import UsageError
 from sgicodec.model.spec import ContextSpec, ModelSpec
 from sgicodec.profiles.fit_settings import FitSettings, LearningRates, Phase
-from sgicodec.profiles.profile import Choices, Profile
 
-__all__ = ["PAPER", "paper_settings", "paper_spec"]
+__all__ = ["PAPER_STEPS", "paper_parts", "paper_settings", "paper_spec"]
 
 PAPER_STEPS = 15_000
 """Of the published schedule."""
@@ -32,6 +31,16 @@ EXACT_STEPS = 6.0
 FINALS = {"offset": 0.1, "decoder_colour": 0.079, "context": 0.045}
 """What is left of the rates that decay: the published curves end at 1 % or less after 30,000 steps, fits at 15,000
 (docs/notes/2026-11-paper-profile.md)."""
+
+_PARTS = {
+    "x_a": ("positions",),
+    "f_a": ("feature",),
+    "{s_o, s_a}": ("scales",),
+    "δ": ("offset",),
+    "H": ("hash grid",),
+    "MLPs": ("decoders", "context model"),
+}
+"""Of a stream, as the paper has them."""
 
 
 def paper_spec(channels: int, per_seed: int = 10, features: int = 50) -> ModelSpec:
@@ -94,28 +103,8 @@ def paper_phases(levels: int, steps: int, priced: bool = True) -> tuple[Phase, .
     return tuple(phase for phase in phases if phase.steps > 0) or (Phase(steps),)  # too few to share out
 
 
-def _spec(choices: Choices, channels: int) -> ModelSpec:
-    return paper_spec(channels, choices.per_seed or 10, choices.features or 50)
-
-
-def _fit_settings(choices: Choices) -> FitSettings:
-    lmbda = 0.001 if choices.lmbda is None else choices.lmbda
-    fit = paper_settings(lmbda, choices.levels or 3, choices.steps or PAPER_STEPS)
-    return replace(fit, seeds=choices.seeds)
-
-
-PAPER = Profile(
-    name="paper",
-    family=0,
-    spec=_spec,
-    settings=_fit_settings,
-    own_choices=("seeds", "per_seed", "features", "levels"),
-    parts={
-        "x_a": ("positions",),
-        "f_a": ("feature",),
-        "{s_o, s_a}": ("scales",),
-        "δ": ("offset",),
-        "H": ("hash grid",),
-        "MLPs": ("decoders", "context model"),
-    },
-)
+def paper_parts(parts: Mapping[str, float]) -> dict[str, float]:
+    """Bytes of the parts of a stream under the paper's names; parts without one keep their own."""
+    table = {name: sum(parts.get(part, 0.0) for part in members) for name, members in _PARTS.items()}
+    known = {part for members in _PARTS.values() for part in members}
+    return table | {name: size for name, size in parts.items() if name not in known}

@@ -38,7 +38,7 @@ _ROWS = 128
 def takes_overview(plan: Plan) -> bool:
     """Whether the stream of this plan is to have an overview."""
     header, settings = plan.header, plan.settings
-    if not settings.chosen_profile.has_overviews or header.grid.count == 1:
+    if settings.profile == "paper" or header.grid.count == 1:
         return False
     return header.width * header.height >= _MIN_PIXELS if settings.overview is None else settings.overview
 

@@ -5,7 +5,6 @@ import pytest
 from sgicodec import EncodeSettings
 from sgicodec.encoder.effort import VISUAL_STEPS
 from sgicodec.errors import UsageError
-from sgicodec.profiles import PROFILES
 from sgicodec.profiles.fit_settings import LearningRates
 from sgicodec.profiles.paper import paper_settings
 
@@ -30,7 +29,7 @@ def test_scales_of_the_default_profile() -> None:
     assert (direct.lmbda, direct.steps) == (0.25, 77)
 
 
-@pytest.mark.parametrize("name", PROFILES["paper"].own_choices)
+@pytest.mark.parametrize("name", ["seeds", "per_seed", "features", "levels"])
 def test_own_choices_are_of_no_other_profile(name: str) -> None:
     with pytest.raises(UsageError, match=f"{name} is a setting of the paper profile"):
         EncodeSettings(**{name: 2})
