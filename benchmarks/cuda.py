@@ -29,10 +29,11 @@ from benchmarks._cuda_checks import (
     require,
 )
 from benchmarks._cuda_floors import H200, Floor, counts_of, floors, peak_of
+from benchmarks._cuda_resources import ARCHITECTURES, resources
 from benchmarks.raster import Scene
 from sgicodec import read
 from sgicodec.cuda.choice import device_of
-from sgicodec.cuda.compiler import ARCHITECTURES, the_compiler
+from sgicodec.cuda.compiler import the_compiler
 from sgicodec.cuda.gpu import Gpu, opened
 from sgicodec.device import Device
 from sgicodec.encoder.input.windows import windows_of
@@ -124,7 +125,7 @@ def print_resources() -> None:
     """Registers and memory of every kernel, by architecture, without any GPU."""
     for architecture in ARCHITECTURES:
         started = time.process_time()
-        found = the_compiler().resources(architecture)
+        found = resources(the_compiler(), architecture)
         most = [max(column) for column in zip(*found.values(), strict=True)]
         tile = max(needs.registers for name, needs in found.items() if name.startswith("error"))
         click.echo(

@@ -4,31 +4,19 @@ from __future__ import annotations
 
 import ctypes
 import os
-import re
 import tempfile
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 from sgicodec.cuda import sources
 from sgicodec.errors import MissingExtraError, NoDeviceError, SgiError
 
-__all__ = ["ARCHITECTURES", "Compiler", "Resources", "compiled", "the_compiler"]
-
-ARCHITECTURES = (75, 80, 86, 89, 90, 100, 120)
-"""Of all families that NVRTC 13 knows, the first; later members of a family run what is compiled for it."""
+__all__ = ["Compiler", "compiled", "the_compiler"]
 
 _NAMES = ("libnvrtc.so.13", "libnvrtc.so.12", "libnvrtc.so")
 _OPTIONS = ("-std=c++17", "-default-device", "-fmad=false", "-diag-suppress=161", "-diag-suppress=177")
-
-
-class Resources(NamedTuple):
-    """registers: of a thread; shared: bytes of a block; spilled: bytes of a thread that found no register."""
-
-    registers: int
-    shared: int
-    spilled: int
 
 
 class Compiler:
@@ -73,25 +61,14 @@ class Compiler:
         the driver compiles further.
         """
         if architecture in (known := self.architectures):
-            return self.cubin(architecture)
+            return self.compile(f"sm_{architecture}", "CUBIN")
         if not (earlier := [one for one in known if one < architecture]):
             least, given = (f"{one // 10}.{one % 10}" for one in (known[0], architecture))
             raise NoDeviceError(f"a GPU of compute capability {given}; NVRTC {self.version} needs {least} or more")
-        return self.ptx(earlier[-1])
+        return self.compile(f"compute_{earlier[-1]}", "PTX")
 
-    def cubin(self, architecture: int) -> bytes:
-        """Machine code for an architecture, such as 90."""
-        return self._compile(f"sm_{architecture}", "CUBIN")
-
-    def resources(self, architecture: int) -> dict[str, Resources]:
-        """What a thread or block of each kernel takes on an architecture, as ptxas says."""
-        return _resources(self._compile(f"sm_{architecture}", "ProgramLog", "--ptxas-options=-v").decode())
-
-    def ptx(self, architecture: int) -> bytes:
-        """PTX, which the driver compiles for that architecture or a later one."""
-        return self._compile(f"compute_{architecture}", "PTX")
-
-    def _compile(self, target: str, kind: str, *more: str) -> bytes:
+    def compile(self, target: str, kind: str, *more: str) -> bytes:
+        """What NVRTC makes of the kernels for a target such as sm_90: CUBIN, PTX or ProgramLog. more: options."""
         root, program = sources.root(), ctypes.c_void_p()
         text = (root / "cuda" / "kernels.cu").read_bytes()
         self._call("nvrtcCreateProgram", ctypes.byref(program), text, b"kernels.cu", ctypes.c_int(0), None, None)
@@ -154,17 +131,6 @@ def _packaged() -> list[Path]:
         return []
     places = [] if found is None else list(found.submodule_search_locations or [])
     return sorted((path for place in places for path in Path(place).glob("*/lib/libnvrtc.so.*")), reverse=True)
-
-
-def _resources(log: str) -> dict[str, Resources]:
-    found = {}
-    for name, text in re.findall(r"entry function '(\w+)'(.*?Used.*?)$", log, re.MULTILINE | re.DOTALL):
-        numbers = (re.search(pattern, text) for pattern in (r"Used (\d+) registers", r"(\d+) bytes smem", _SPILLED))
-        found[name] = Resources(*(int(number[1]) if number else 0 for number in numbers))
-    return found
-
-
-_SPILLED = r"(\d+) bytes spill stores"
 
 
 def _cache_folder() -> Path:

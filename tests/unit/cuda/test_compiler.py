@@ -8,8 +8,9 @@ from pathlib import Path
 
 import pytest
 
+from benchmarks._cuda_resources import ARCHITECTURES, resources
 from sgicodec.cuda import compiler, sources
-from sgicodec.cuda.compiler import ARCHITECTURES, Compiler, compiled
+from sgicodec.cuda.compiler import Compiler, compiled
 from sgicodec.errors import MissingExtraError, SgiError
 
 REGISTERS, TILE_REGISTERS, SHARED, SPILLED = 168, 96, 24 << 10, {"absolute_error_4": 24}
@@ -43,9 +44,9 @@ def names_in_sources() -> set[str]:
 @pytest.mark.slow
 @pytest.mark.parametrize("architecture", ARCHITECTURES)
 def test_every_kernel_compiles_within_bounds(nvrtc: Compiler, architecture: int) -> None:
-    resources = nvrtc.resources(architecture)
-    assert resources.keys() == names_in_sources()
-    for name, needs in resources.items():
+    found = resources(nvrtc, architecture)
+    assert found.keys() == names_in_sources()
+    for name, needs in found.items():
         assert 0 < needs.registers <= (TILE_REGISTERS if TILES.fullmatch(name) else REGISTERS), (name, needs)
         assert needs.shared <= SHARED, (name, needs)
         assert needs.spilled <= SPILLED.get(name, 16), (name, needs)
@@ -53,8 +54,8 @@ def test_every_kernel_compiles_within_bounds(nvrtc: Compiler, architecture: int)
 
 @pytest.mark.slow
 def test_machine_code_and_ptx(nvrtc: Compiler) -> None:
-    assert nvrtc.cubin(75)[:4] == b"\x7fELF"
-    assert b".target sm_120" in nvrtc.ptx(120)
+    assert nvrtc.compile("sm_75", "CUBIN")[:4] == b"\x7fELF"
+    assert b".target sm_120" in nvrtc.compile("compute_120", "PTX")
 
 
 class Pretended:
@@ -84,4 +85,4 @@ def test_what_does_not_compile_says_where(nvrtc: Compiler, tmp_path: Path, monke
     (tmp_path / "cuda" / "kernels.cu").write_text("int f() { return nothing; }")
     monkeypatch.setattr(sources, "root", lambda: tmp_path)
     with pytest.raises(SgiError, match=r"nothing.*undefined"):
-        nvrtc.cubin(90)
+        nvrtc.compile("sm_90", "CUBIN")
