@@ -51,8 +51,6 @@ class WebP(PillowPeer):
 class Avif(PillowPeer):
     """AVIF by libaom at speed 6, 4:4:4, as avifenc codes a PNG.
 
-    One tile, or with `tiled` as many as libavif finds right for the size.
-
     Tuned for PSNR, because libavif's default since libaom 3.12 tunes for an image-quality model and would
     enter a comparison by PSNR with a handicap. Decodes with dav1d, whose thread count pillow does not
     offer.
@@ -65,7 +63,6 @@ class Avif(PillowPeer):
     tune: ClassVar[str] = "psnr"
     ladder: tuple[float, ...] = (2, 8, 16, 26, 38, 52, 66, 79, 90)
     threads: int = 1
-    tiled: bool = False
 
     def version(self) -> str:
         libavif = super().version()
@@ -76,13 +73,12 @@ class Avif(PillowPeer):
         return f"{libavif}, {_avif.codec_versions()}"
 
     def settings(self, quality: float) -> str:
-        tiles = "auto" if self.tiled else "1"
-        chosen = f"speed={self.speed} tune={self.tune} tiles={tiles}"
+        chosen = f"speed={self.speed} tune={self.tune} tiles=1"
         return f"quality={round(quality)} 4:4:4 aom {chosen} threads={self.threads}"
 
     def options(self, quality: float) -> dict[str, Any]:
         coding = {"quality": round(quality), "subsampling": "4:4:4", "codec": "aom", "speed": self.speed}
-        return {**coding, "autotiling": self.tiled, "advanced": {"tune": self.tune}, "max_threads": self.threads}
+        return {**coding, "autotiling": False, "advanced": {"tune": self.tune}, "max_threads": self.threads}
 
 
 @dataclass(frozen=True)

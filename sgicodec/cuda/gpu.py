@@ -105,11 +105,9 @@ class GpuArray:
             self._copy("cuMemcpyHtoDAsync_v2", self._memory, ctypes.c_void_p(whole.ctypes.data))
             self.gpu.wait()  # the copy must not outlive what it reads
 
-    def download(self, into: NDArray[Any] | None = None) -> NDArray[Any]:
-        """Its values, after everything that was launched: in `into`, a contiguous array of this shape and type."""
-        values = np.empty(self.shape, self.dtype) if into is None else into
-        if values.shape != self.shape or values.dtype != self.dtype or not values.flags.c_contiguous:
-            raise ValueError(f"{values.dtype}{values.shape} cannot take {self.dtype}{self.shape}")
+    def download(self) -> NDArray[Any]:
+        """Its values, after everything that was launched."""
+        values = np.empty(self.shape, self.dtype)
         if self.bytes:
             self._copy("cuMemcpyDtoHAsync_v2", ctypes.c_void_p(values.ctypes.data), self._memory)
         self.gpu.wait()

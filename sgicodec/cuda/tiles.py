@@ -81,7 +81,7 @@ class TilePasses:
         names = ("owner", "digits", "partials")
         self._fields |= {"capacity": capacity, "sort_blocks": self.sort_blocks}
         self._fields |= {name: getattr(self, name).address for name in names}
-        self._digits = Scan(self.gpu, self.digits, len_of(self.digits) - 1)
+        self._digits = Scan(self.gpu, self.digits, self.digits.shape[0] - 1)
 
     def _had_room(self, pairs: int) -> bool:
         """Whether there was room for so many pairs; if not, there is from now on. Raises OverflowError for too many."""
@@ -135,8 +135,3 @@ class TilePasses:
         places = {"keys": keys, "slots": slots, "keys_out": out_keys, "slots_out": out_slots}
         addresses = {name: array.address for name, array in places.items()}
         return structures()["RasterArguments"](**self._fields, **addresses, shift=shift[0] if shift else 0)
-
-
-def len_of(array: GpuArray) -> int:
-    """Of its first axis."""
-    return array.shape[0]

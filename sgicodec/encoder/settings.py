@@ -120,7 +120,7 @@ class EncodeSettings:
             fit = paper_settings(lmbda, self.levels or 3, self.steps or PAPER_STEPS)
             return replace(fit, seeds=self.seeds, seed=self.seed)
         lmbda = lmbda_of_quality(self.chosen_quality) if self.lmbda is None else self.lmbda
-        return replace(default_settings(max(lmbda, 1e-9), self.fit_steps, self.fits_beneath_texture), seed=self.seed)
+        return replace(default_settings(max(lmbda, 1e-9), self.fit_steps, self.texture), seed=self.seed)
 
     @property
     def fit_steps(self) -> int:
@@ -128,14 +128,10 @@ class EncodeSettings:
         return self.steps or steps_of(self.effort, self.tuned_for, self.texture)
 
     @property
-    def fits_beneath_texture(self) -> bool:
-        """Whether texture shows what seeds leave."""
-        return self.texture and self.profile == "default"
-
-    @property
     def chosen_effort(self) -> Effort:
         """What is done to each tile, and how often."""
-        return effort_of(self.fit_settings().steps, self.tuned_for, self.fits_beneath_texture)
+        has_texture = self.texture and self.profile == "default"
+        return effort_of(self.fit_settings().steps, self.tuned_for, has_texture)
 
     @property
     def tuned_for(self) -> Tune:

@@ -35,7 +35,7 @@ def default_spec(channels: int, texture: bool = False) -> ModelSpec:
 
 
 def default_settings(lmbda: float, steps: int, coarse: bool = False) -> FitSettings:
-    """The `default` profile in `steps` steps. coarse: most of them at half size."""
+    """The `default` profile in `steps` steps. coarse: most of them at half size, for seeds beneath texture."""
     settings = FitSettings(lmbda=lmbda, phases=default_phases(steps), reference_steps=800)
     return replace(settings, phases=coarse_phases(steps), split=_COARSE_SPLIT) if coarse else settings
 

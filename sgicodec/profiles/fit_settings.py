@@ -109,11 +109,6 @@ class FitSettings:
         """The same with a part of the steps of each phase, at least one."""
         return replace(self, phases=tuple(replace(p, steps=max(1, round(part * p.steps))) for p in self.phases))
 
-    @property
-    def split_price(self) -> float:
-        """Squared deviation that splits a cell, for each unit of λ."""
-        return self.split * self.seed_bits
-
     def slowing(self) -> float:
         """Factor of the learning rates in `SLOWED` for a fit of so many steps."""
         if self.reference_steps is None:

@@ -98,10 +98,8 @@ class _Source:
 
 
 @contextlib.contextmanager
-def naming_url(url: str, failure: type[SgiError], missing: str = "there is no such file") -> Iterator[None]:
-    """Turns whatever a file system raises into `failure` with the URL; they have no errors in common. missing: what is
-    said of what is not found.
-    """
+def naming_url(url: str, failure: type[SgiError]) -> Iterator[None]:
+    """Turns whatever a file system raises into `failure` with the URL; they have no errors in common."""
     try:
         yield
     except (SgiError, MemoryError):
@@ -109,7 +107,7 @@ def naming_url(url: str, failure: type[SgiError], missing: str = "there is no su
     except ImportError as error:
         raise MissingExtraError(f"{url}: {error}") from error
     except FileNotFoundError as error:
-        raise failure(f"{url}: {_unreachable(error.__cause__) or missing}") from error
+        raise failure(f"{url}: {_unreachable(error.__cause__) or 'there is no such file'}") from error
     except Exception as error:
         text = _unreachable(error) or getattr(error, "strerror", None) or str(error) or type(error).__name__
         raise failure(f"{url}: {' '.join(str(text).split())}") from error

@@ -103,6 +103,10 @@ def read_tile(header: Header, payload: bytes, device: Device = ONE_THREAD) -> tu
     read = _native.read_tile(encode_header(header), payload, device.threads, device.isa)
     counts = hash_grid(header.spec.context, header.width, header.height).counts
     signs = np.split(read.signs.astype(np.int64), np.cumsum(counts)[:-1]) if counts else []
+    restoration = None
+    if read.restoration is not None:
+        network, step = read.restoration
+        restoration = Restoration(header.network if network == _native.OWN_NETWORK else network, step)
     model = TileModel(
         SeedLayout(read.corner, read.log_size),
         StepPlan({name: base for name, base, _ in read.plan}, {name: gamma for name, _, gamma in read.plan}),
@@ -113,11 +117,7 @@ def read_tile(header: Header, payload: bytes, device: Device = ONE_THREAD) -> tu
         [part.reshape(-1, header.spec.context.hash_features) for part in signs],
         decoded=read.decoded,
         texture=layer_of(read.texture, (header.width, header.height)),
-        restoration=None if read.restoration is None else _restoration(header, *read.restoration),
+        restoration=restoration,
         decoder_shift=read.decoder_shift,
     )
     return model, read
-
-
-def _restoration(header: Header, network: int, step: int) -> Restoration:
-    return Restoration(header.network if network == _native.OWN_NETWORK else network, step)

@@ -176,12 +176,8 @@ class ColourSurvey:
 
 def repeating_cells(pixels: NDArray[Any]) -> Cells:
     """Which cells of a block have as few novel pixels as text: a quick look."""
-    planes = np.moveaxis(pixels, 2, 0)
-    across, down = (np.zeros(pixels.shape[:2], np.bool_) for _ in range(2))
-    for plane in map(np.ascontiguousarray, planes):
-        across[:, 1:] |= plane[:, 1:] != plane[:, :-1]
-        down[1:] |= plane[1:] != plane[:-1]
-    return _repeat(_in_cells(across & down))
+    across, down = _steps(pixels)
+    return _repeat(_in_cells((across > 0) & (down > 0)))
 
 
 def _repeat(novel: NDArray[np.int_]) -> Cells:

@@ -104,7 +104,8 @@ def _first_layout(prepared: Prepared) -> SeedLayout:
     if prepared.tile.spec.layout == "uniform":
         count = fit.seeds or max(1, round(width * height / 400))
         return uniform_layout(width, height, count, np.random.default_rng(fit.seed))
-    return adaptive_layout(prepared.target, fit.split_price * fit.lmbda, weights=prepared.weights)
+    price = fit.split * fit.seed_bits * fit.lmbda
+    return adaptive_layout(prepared.target, price, weights=prepared.weights)
 
 
 def in_integers(prepared: Prepared, fitted: Fitted) -> TileState:

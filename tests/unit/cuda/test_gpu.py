@@ -19,13 +19,8 @@ def test_arrays_go_and_come() -> None:
         found = held.download()
         assert (found.shape, found.dtype) == (values.shape, values.dtype)
         np.testing.assert_array_equal(found, values)
-        taken = np.zeros_like(values)
-        assert held.download(taken) is taken
-        np.testing.assert_array_equal(taken, values)
     assert held.last() == 1.5
     assert fake_gpu().put(np.arange(12, dtype=np.int8).reshape(3, 4)).last() == 11
-    with pytest.raises(ValueError, match="cannot take"):
-        held.download(np.zeros(1, np.float32))
     with pytest.raises(ValueError, match="is not"):
         held.upload(np.float32([1.5]))
 
