@@ -11,7 +11,7 @@ from data_files import crop
 
 from sgicodec import Encoded, EncodeSettings, Picture, encode_picture
 from sgicodec.decoder.stream import open_stream
-from sgicodec.errors import TargetMissedError, UsageError
+from sgicodec.errors import TargetMissedError
 from sgicodec.metrics.psnr import psnr
 from sgicodec.picture import Metadata, comparable
 
@@ -113,33 +113,6 @@ def test_pictures_at_the_edge(picture: Picture, target: dict[str, float]) -> Non
     reached = quality(picture, encoded)
     limit = target.get("size", target.get("bpp", math.inf) * picture.width * picture.height / 8)
     assert missed == (len(encoded.data) > limit or reached < target.get("psnr", 0.0) - 0.1)
-
-
-@pytest.mark.parametrize(
-    ("choices", "complaint"),
-    [
-        ({"psnr": 0.0}, "psnr"),
-        ({"psnr": math.nan}, "psnr"),
-        ({"psnr": math.inf}, "psnr"),
-        ({"ssimulacra2": 100.0}, "ssimulacra2"),
-        ({"ssimulacra2": -math.inf}, "ssimulacra2"),
-        ({"ssimulacra2": 50.0, "bpp": 1.0}, "ssimulacra2 and bpp exclude"),
-        ({"tune": "loud"}, "tune loud"),
-        ({"tune": "visual", "profile": "paper"}, "not tuned for the eye"),
-        ({"size": 0.5}, "size"),
-        ({"size": math.inf}, "size"),
-        ({"bpp": 0.0}, "bpp"),
-        ({"bpp": math.inf}, "bpp"),
-        ({"psnr": 30.0, "bpp": 1.0}, "psnr and bpp exclude"),
-        ({"size": 3000.0, "bpp": 1.0}, "size and bpp exclude"),
-        ({"size": 3000.0, "lmbda": 1.0}, "lmbda and size exclude"),
-        ({"psnr": 30.0, "profile": "paper"}, "default profile"),
-        ({"psnr": 40.0, "max_error": 0}, "psnr and max-error exclude each other"),
-    ],
-)
-def test_settings_that_make_no_sense(choices: dict[str, float], complaint: str) -> None:
-    with pytest.raises(UsageError, match=complaint):
-        EncodeSettings(**choices)  # type: ignore[arg-type]
 
 
 TILED = EncodeSettings(steps=40, tile=96, tune="psnr")
