@@ -21,11 +21,12 @@ from pathlib import Path
 import numpy as np
 from data_files import ATTACKS, GOLDEN
 from mutate import mutated
+from scenes import ISAS
 
 from sgicodec import _native
 from sgicodec.decoder.stream import CACHE_BYTES, Stream
 from sgicodec.device import Device
-from sgicodec.errors import SgiError, UsageError
+from sgicodec.errors import SgiError
 
 SEEDS = (GOLDEN, ATTACKS)
 LONGEST = 40_000
@@ -34,17 +35,6 @@ _VARYING = re.compile(r"chunk .|\b[0-9a-f]{2,8}\b|[0-9][0-9.,]*")
 """What differs between messages of one kind."""
 SIDE = 96
 """Pixels of a side of what is rendered."""
-
-
-def instruction_sets() -> list[str]:
-    """Those that this machine has."""
-    found = []
-    for name in ("portable", "avx2", "avx512"):
-        try:
-            found.append(Device(1, name).isa)
-        except UsageError:
-            continue
-    return found
 
 
 def look(data: bytes, device: Device, checked: bool = True) -> str:
@@ -91,7 +81,7 @@ class Fuzzer:
         self.first = [path.read_bytes() for folder in SEEDS for path in sorted(folder.glob("*.sgi"))]
         self.streams = self.first + [path.read_bytes() for path in sorted(self.corpus.glob("*.sgi"))]
         self.rng = np.random.default_rng(self.seed)
-        self.devices = [Device(threads, isa) for isa in instruction_sets() for threads in (1, 3)]
+        self.devices = [Device(threads, isa) for isa in ISAS for threads in (1, 3)]
 
     def run(self, seconds: float) -> None:
         """Until time is up. `broken` is the stream whose exception this raises."""

@@ -100,6 +100,7 @@ def test_depth(stream: Path, tmp_path: Path, depth: int, dtype: type) -> None:
         ("out.dat", ["--format", "png"], b"\x89PNG"),
         ("out.png", ["--format", "webp"], b"RIFF"),
         ("out.sgi", ["--format", "sgi"], b"\x01\xda"),
+        ("out.rgb", [], b"\x01\xda"),
     ],
 )
 def test_format(stream: Path, tmp_path: Path, name: str, options: list[str], signature: bytes) -> None:

@@ -47,13 +47,6 @@ def test_more_steps_never_do_less(tune: Tune) -> None:
     assert found[-1].seed_price >= 1
 
 
-def test_short_fits_beneath_texture_leave_out_what_gains_little() -> None:
-    low, plain = (effort_of(120, "visual", is_low) for is_low in (True, False))
-    assert (low.rdoq.passes, plain.rdoq.passes) == (1, 2)
-    assert [effort_of(60, tune, True).rdoq.passes for tune in TABLES] == [0, 1]
-    assert low.split_margin < plain.split_margin
-
-
 def test_a_tile_too_large_for_texture_has_the_fit_without_it() -> None:
     shape = Shape(9000, 8000, "rgb", 3, np.dtype(np.uint8), (0, 255), Metadata(), None)
     plan, plain = (stream_plan(shape, EncodeSettings(tile=0, texture=texture)) for texture in (True, False))

@@ -134,12 +134,6 @@ def test_luminance_and_differences_are_refused(tmp_path: Path) -> None:
         read(path)
 
 
-def test_few_bits_fill_the_type() -> None:
-    ten_bits = b"P5 3 1 1023\n" + struct.pack(">HHH", 0, 512, 1023)
-    assert read(ten_bits).pixels.ravel().tolist() == pytest.approx([0, 512 / 1023 * 65535, 65535], abs=40)
-    assert read(b"P4 8 1\n" + bytes([0b10100000])).pixels.ravel().tolist() == [0, 255, 0, 255, 255, 255, 255, 255]
-
-
 @pytest.mark.parametrize(
     ("dtype", "what"), [("int64", "integers"), ("uint64", "integers"), ("complex64", "complex numbers")]
 )

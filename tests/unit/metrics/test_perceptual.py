@@ -7,11 +7,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from seen_pictures import photo
+from data_files import crop
 
 from sgicodec.errors import SgiError
 from sgicodec.metrics import perceptual
 from sgicodec.metrics.perceptual import Perceived, butteraugli, perceived
+
+PHOTO = crop("kodim23", np.s_[20:181, 60:275]).pixels
 
 
 def test_small_pictures_have_no_score() -> None:
@@ -24,16 +26,15 @@ def test_what_is_missing_is_unknown(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(perceptual, "network", lambda name: None)
     monkeypatch.setattr(perceptual.shutil, "which", lambda name: None)
     assert Perceived.available() == ()
-    assert perceived(photo("kodim23"), photo("kodim23")) == Perceived()
+    assert perceived(PHOTO, PHOTO) == Perceived()
 
 
 @pytest.mark.parametrize(("name", "best", "more_is_better"), [("flip", 0.0, False), ("cvvdp", 10.0, True)])
 def test_a_worse_picture_has_a_worse_value(name: str, best: float, more_is_better: bool) -> None:
     if name not in Perceived.available():
         pytest.skip(f"{name} is not installed")
-    original, measure = photo("kodim23"), getattr(perceptual, name)
-    noise = np.random.default_rng(0).normal(0.0, 1.0, original.shape)
-    values = [measure(original, np.clip(np.rint(original + s * noise), 0, 255).astype(np.uint8)) for s in (0, 4, 16)]
+    measure, noise = getattr(perceptual, name), np.random.default_rng(0).normal(0.0, 1.0, PHOTO.shape)
+    values = [measure(PHOTO, np.clip(np.rint(PHOTO + s * noise), 0, 255).astype(np.uint8)) for s in (0, 4, 16)]
     assert values[0] == pytest.approx(best, abs=1e-3)
     assert values == sorted(values, reverse=more_is_better)
     assert len(set(values)) == 3

@@ -1,7 +1,5 @@
 """The yardstick itself: against the formula in plain Python, and its gradients against finite differences."""
 
-import math
-
 import numpy as np
 import pytest
 from reference_raster import ReferenceRasterizer, rasterize_reference, rasterize_reference_backward
@@ -10,21 +8,6 @@ from scenes import exact, random_scene
 from sgicodec.raster.backend import Loss
 
 ORIGIN = (-3, 5)
-
-
-def test_the_formula_pixel_by_pixel() -> None:
-    means = np.array([[1.5, 2.0], [-2.0, 7.0]])
-    covariances = np.array([[4.0, 1.0, 2.0], [3.0, -2.0, 5.0]])
-    colours = np.array([[1.0, -0.5], [0.25, 2.0]])
-    image = rasterize_reference(means, covariances, colours, 6, 4, ORIGIN)
-    assert image.shape == (2, 4, 6)
-    for channel, row, column in np.ndindex(image.shape):
-        expected = 0.0
-        for (mx, my), (xx, xy, yy), colour in zip(means, covariances, colours, strict=True):
-            dx, dy = column + ORIGIN[0] + 0.5 - mx, row + ORIGIN[1] + 0.5 - my
-            distance = (yy * dx * dx - 2 * xy * dx * dy + xx * dy * dy) / (xx * yy - xy * xy)
-            expected += colour[channel] * math.exp(-0.5 * distance)
-        assert image[channel, row, column] == pytest.approx(expected, rel=1e-12)
 
 
 @pytest.mark.parametrize("weighted", [False, True])

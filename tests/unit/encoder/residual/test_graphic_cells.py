@@ -67,10 +67,6 @@ def test_text_is_found_and_what_lies_beside_it_is_not(text: NDArray[np.uint8], b
     np.testing.assert_array_equal(found_in(mixed), np.repeat([[True] * 6 + [False] * 6], 12, axis=0))
 
 
-def test_text_alone_is_found() -> None:
-    assert found_in(bars()).all()
-
-
 def test_few_colours_without_a_ground_are_none() -> None:
     """Dark places of a photograph in gray, next to some with more colours."""
     mixed, levels = calm(), np.random.default_rng(8).integers(8, 23, (SIDE // 2, SIDE // 2, 1))
