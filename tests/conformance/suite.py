@@ -22,8 +22,6 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-__all__ = ["Case", "cases", "expected", "failures"]
-
 GOLDEN = Path(__file__).resolve().parent / "golden"
 SAMPLES = GOLDEN / "samples.json"
 TYPES = {"uint8": "u8", "uint16": "u16", "float32": "f32"}

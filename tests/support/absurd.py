@@ -25,8 +25,6 @@ from sgicodec.model.steps import StepPlan, default_plan, follows_amplitude
 from sgicodec.profiles.default import default_spec
 from sgicodec.profiles.paper import paper_spec
 
-__all__ = ["absurd_stream"]
-
 
 def absurd_stream(rng: np.random.Generator) -> bytes:
     """A stream that decodes, though what it decodes to is nonsense."""

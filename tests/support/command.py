@@ -9,8 +9,6 @@ from click.testing import CliRunner, Result
 
 from sgicodec.cli.main import cli
 
-__all__ = ["done", "refused", "sgi", "told"]
-
 
 def sgi(*arguments: object, stdin: bytes | None = None) -> Result:
     """Runs `sgi ARGUMENTS…`; `stdin` are bytes."""

@@ -11,8 +11,6 @@ import pytest
 
 from sgicodec import Picture, read
 
-__all__ = ["ATTACKS", "DATA", "GOLDEN", "GOLDEN_STREAMS", "PICTURES", "ROOT", "crop", "geotiff"]
-
 ROOT = Path(__file__).resolve().parents[2]
 DATA = ROOT / "tests" / "data"
 PICTURES, ATTACKS = DATA / "pictures", DATA / "attacks"

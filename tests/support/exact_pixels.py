@@ -17,8 +17,6 @@ from sgicodec.bitstream.parts.tile import TileModel
 from sgicodec.model.quantization import step_fixed
 from sgicodec.model.texture_symbols import TextureSymbols
 
-__all__ = ["View", "drawn_tile", "samples_of"]
-
 F32 = NDArray[np.float32]
 F64 = NDArray[np.float64]
 Any32 = Any  # a float32 or an array of them

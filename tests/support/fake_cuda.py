@@ -21,8 +21,6 @@ from sgicodec.cuda.driver import the_driver
 from sgicodec.cuda.gpu import Gpu
 from sgicodec.device import Device
 
-__all__ = ["backwards", "fake_driver", "fake_gpu", "library", "only_gpu"]
-
 ROOT = Path(__file__).resolve().parents[2]
 SOURCE = Path(__file__).with_suffix(".cpp")
 CHECKS = ("-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-O1", "-g1")

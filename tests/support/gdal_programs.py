@@ -15,8 +15,6 @@ import numpy as np
 import pytest
 from library import ROOT, installed
 
-__all__ = ["NEEDS_GDAL", "Run", "gdal", "info", "pixels"]
-
 NEEDS_GDAL = [
     pytest.mark.slow,
     pytest.mark.skipif(

@@ -14,8 +14,6 @@ from PIL import Image, ImageCms
 
 from sgicodec import Picture, open_source, read, write
 
-__all__ = ["SRGB", "by_pillow", "by_tifffile", "noise", "notes_of", "packed", "save", "was_jpeg", "window_rows"]
-
 SRGB = ImageCms.ImageCmsProfile(ImageCms.createProfile("sRGB")).tobytes()
 """An ICC profile."""
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-__all__ = ["root"]
-
 
 def root(value: int, degree: int) -> int:
     """Floor of the degree-th root."""

@@ -17,11 +17,6 @@ import pytest
 from data_files import GOLDEN, ROOT
 from numpy.typing import NDArray
 
-__all__ = [
-    *("NEEDS_COMPILER", "ROOT", "SAMPLES", "Info", "Library", "LibraryError", "Options", "View"),
-    *("golden", "installed"),
-]
-
 NEEDS_COMPILER = [
     pytest.mark.slow,
     pytest.mark.skipif(not shutil.which("cmake") or not shutil.which("cc"), reason="needs cmake and a C compiler"),

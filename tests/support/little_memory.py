@@ -11,8 +11,6 @@ from pathlib import Path
 import pytest
 from children import HANGS
 
-__all__ = ["PROMISED", "needs_plain_memory", "printed", "read_with_little_memory", "within"]
-
 MEMORY = 1 << 30
 """Address space of the process that reads the lies: the libraries take a third of it."""
 

@@ -14,8 +14,6 @@ from sgicodec.bitstream.header import decode_header
 from sgicodec.bitstream.varint import encode_varint
 from sgicodec.errors import SgiError
 
-__all__ = ["mutated"]
-
 Random = np.random.Generator
 
 _FIELDS = (

@@ -8,8 +8,6 @@ import sys
 import time
 from pathlib import Path
 
-__all__ = ["Newcomer"]
-
 
 class Newcomer:
     """Runs commands in their home. With a wheel they have a new environment, else that of the tests."""

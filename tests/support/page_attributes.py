@@ -7,8 +7,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-__all__ = ["PageAttributes", "Seed"]
-
 SIXTHS = (1099511627776, 1234160073853, 1385297844439, 1554944255988, 1745365914583, 1959106999532)
 WEIGHTS = (4, 3, 3, 2, 2, 2)
 Read = Callable[[Sequence[int]], list[int]]

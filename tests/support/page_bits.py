@@ -8,8 +8,6 @@ from collections.abc import Callable, Hashable
 import constriction
 import numpy as np
 
-__all__ = ["QUICK", "STEADY", "BitModels", "Code", "coded_bits"]
-
 STEADY, QUICK = 511, 80
 
 Code = Callable[[int], int]

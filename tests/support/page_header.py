@@ -15,8 +15,6 @@ from sgicodec.errors import CorruptStreamError, LimitError, UnsupportedStreamErr
 from sgicodec.metadata.layouts import SampleRange, band_ranges
 from sgicodec.model.spec import ContextSpec, ModelSpec
 
-__all__ = ["LAYOUT_NAMES", "SAMPLE_TYPES", "decode_header"]
-
 FORMAT_VERSION = 1
 MAX_SIDE, MAX_CHANNELS, MAX_TILES, MIN_TILE, MAX_APRON = 1 << 24, 64, 1 << 20, 32, 256
 LAYOUT_NAMES = ("multi", "gray", "gray+alpha", "rgb", "rgba")

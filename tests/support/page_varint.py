@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from sgicodec.errors import CorruptStreamError
 
-__all__ = ["decode_varint"]
-
 _MAX_BYTES = 9
 
 

@@ -5,8 +5,6 @@ from __future__ import annotations
 import io
 from typing import BinaryIO
 
-__all__ = ["Counted", "Pipe", "trickle"]
-
 
 class Pipe(io.RawIOBase):
     """Bytes that cannot be sought in. most: how many one read gives, -1 for as many as it asks for."""

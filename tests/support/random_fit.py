@@ -15,8 +15,6 @@ from sgicodec.model.network import IntNetwork
 from sgicodec.model.spec import ModelSpec
 from sgicodec.model.steps import default_plan
 
-__all__ = ["random_fit", "random_networks"]
-
 
 def random_networks(
     spec: ModelSpec, rng: np.random.Generator, w2_size: float = 0.3, b2_size: float = 0.2

@@ -6,8 +6,6 @@ import math
 import zlib
 from collections.abc import Sequence
 
-__all__ = ["ROUNDING", "ROUNDING_BITS", "Bits"]
-
 ROUNDING = 2.0**-8
 """Share of a symbol's bits that the coder may take more, since it divides its interval by whole numbers."""
 ROUNDING_BITS = -math.log2(1 - ROUNDING)

@@ -7,8 +7,6 @@ from numpy.typing import NDArray
 
 from sgicodec.raster.backend import Errors, Loss
 
-__all__ = ["ReferenceRasterizer", "rasterize_reference", "rasterize_reference_backward"]
-
 F64 = NDArray[np.float64]
 
 

@@ -13,8 +13,6 @@ from numpy.typing import NDArray
 from page_bits import QUICK, STEADY, BitModels, Code, coded_bits
 from page_varint import decode_varint
 
-__all__ = ["Grid", "block", "grid_of"]
-
 F32 = np.float32
 NEAR = ((0, -2), (0, -1), (-1, -2), (-1, -1), (-1, 0), (-1, 1), (-1, 2), (-2, -1), (-2, 0), (-2, 1))
 OTHER = ((0, -1), (-1, -1), (-1, 0), (-1, 1))

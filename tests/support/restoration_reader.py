@@ -10,8 +10,6 @@ from numpy.typing import NDArray
 
 from sgicodec._native import shipped
 
-__all__ = ["PARTS", "Network", "another_network", "corrected", "network_of"]
-
 PARTS = Path(__file__).parents[2] / "sgicodec" / "bitstream" / "parts"
 MOST = 32767
 

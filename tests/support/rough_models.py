@@ -13,8 +13,6 @@ from sgicodec.model.steps import default_plan
 from sgicodec.profiles.default import default_spec
 from sgicodec.rdoq import Objective
 
-__all__ = ["stage"]
-
 QUALITY = 55
 LAYOUTS = {1: "gray", 3: "rgb", 4: "rgba"}
 

@@ -10,8 +10,6 @@ from page_varint import decode_varint
 from sgicodec.bitstream.container import SIGNATURE
 from sgicodec.bitstream.varint import encode_varint
 
-__all__ = ["HEADER_FIELDS", "Parts", "flipped", "frame", "join", "split", "with_fields", "with_hash"]
-
 Parts = list[tuple[str, bytes]]
 """Letter and payload of every chunk."""
 

@@ -6,8 +6,6 @@ import struct
 
 from sgicodec.metadata import geo, ifd
 
-__all__ = ["TIED", "doubles", "exif_blob", "exif_of", "geo_keys", "geo_of", "rational", "shorts", "text"]
-
 
 def doubles(*values: float) -> ifd.Entry:
     return ifd.Entry(12, struct.pack(f"<{len(values)}d", *values))

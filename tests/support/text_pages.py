@@ -6,8 +6,6 @@ import numpy as np
 from data_files import crop
 from numpy.typing import NDArray
 
-__all__ = ["means", "photo", "text"]
-
 
 def photo(width: int, height: int) -> NDArray[np.uint8]:
     return crop("kodim23", np.s_[:height, :width]).pixels

@@ -9,8 +9,6 @@ from reference_decoder import Bits
 from symbols import SymbolWriter
 from texture_reader import TextureReader
 
-__all__ = ["spell", "spelled"]
-
 
 class _Script(Bits):
     """Gives bits as they are wanted, then zeros, and notes their probabilities."""

@@ -9,8 +9,6 @@ from typing import NamedTuple
 
 from reference_decoder import Bits
 
-__all__ = ["Cell", "TextureReader"]
-
 CONTEXTS = 60812 + 50688
 AFTER = [(0, 1), (3, 2), (5, 4), (6, 7), (1, 0), (2, 3), (4, 5), (7, 6)]
 """The state after an even and an odd symbol."""

@@ -14,8 +14,6 @@ from sgicodec.model.context import INPUT_BITS, network_shapes, output_count
 from sgicodec.model.network import INPUT_LIMIT
 from sgicodec.model.spec import ModelSpec
 
-__all__ = ["ContextNet", "binarize", "bits_by_mean"]
-
 
 def binarize(theta: Tensor) -> Tensor:
     """Signs of θ, ±1; backward the identity where |θ| ≤ 1 (straight-through estimation, Shin and Park 2023)."""

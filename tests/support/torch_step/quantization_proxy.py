@@ -35,8 +35,6 @@ from sgicodec.profiles.fit_settings import Rounding
 from tests.support.page_attributes import WEIGHTS
 from tests.support.torch_step.context_net import ContextNet
 
-__all__ = ["QuantizationProxy", "Sample", "bits_gaussian", "bits_laplace"]
-
 _MIN_STEP, _GREATEST_STEP = (2.0 ** ((index - STEP_ZERO) / PER_OCTAVE) for index in (0, STEP_COUNT - 1))
 _MIN_SCALE = 2.0 ** (-SCALE_ZERO / PER_OCTAVE)
 _MAX_REFINE = REFINE_LIMIT / PER_OCTAVE

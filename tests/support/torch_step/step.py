@@ -27,8 +27,6 @@ from sgicodec.raster.backend import Backend, Loss
 from tests.support.torch_step.context_net import ContextNet, bits_by_mean
 from tests.support.torch_step.quantization_proxy import QuantizationProxy, Sample
 
-__all__ = ["AutogradStep", "error"]
-
 F32 = NDArray[np.float32]
 
 
