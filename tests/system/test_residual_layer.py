@@ -6,7 +6,6 @@ import io
 import math
 import struct
 import zlib
-from collections.abc import Callable, Iterator
 from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
@@ -23,7 +22,7 @@ from surgery import join, split
 from text_pages import photo, text
 
 from sgicodec import EncodeSettings, Picture, _native, encode, encode_picture
-from sgicodec.bitstream.header import encode_header
+from sgicodec.bitstream.header import Header, encode_header
 from sgicodec.bitstream.rewriting import rewrite_stream
 from sgicodec.bitstream.varint import encode_varint
 from sgicodec.decoder.stream import open_stream
@@ -338,8 +337,6 @@ def test_it_is_as_the_page_of_the_format_says(name: str, most: float, repeats: i
     cells |= not has_cells
     views = {"exact_views": repeats > 1 or has_cells, "has_cells": has_cells}
     form = residual_form(header, [picture.pixels] * repeats, most, **views)
-    bits, ones, crc = _native.code_residual(samples, drawn, encode_header(header), form, cells)
-    expected, code = coder_of(bits, ones)
     order = list(range(samples.shape[2]))
     if picture.channels.startswith("rgb"):
         order[:2] = 1, 0
@@ -349,9 +346,7 @@ def test_it_is_as_the_page_of_the_format_says(name: str, most: float, repeats: i
     assert at == len(form)
     assert bool(palette) == (repeats > 1)
     assert all(grid.table for grid in grids) or most or name not in ("spread", "few floats")
-    found = reference_residual.block(drawn, order, grids, form[8] & 1 == 1, nodata, code, palette, has_cells)
-    assert next(expected, None) is None
-    assert zlib.crc32(found.astype("<f4").tobytes()) == crc
+    by_the_page(samples, drawn, header, form, cells, order, grids, form[8] & 1 == 1, nodata, palette, has_cells)
 
 
 def test_alpha_alone_is_as_the_page_says() -> None:
@@ -361,14 +356,10 @@ def test_alpha_alone_is_as_the_page_says() -> None:
     with open_stream(encode_picture(picture, QUICK).data) as stream:
         header, form = replace(stream.header, width=51, height=21, masked=None), alpha_form(255)
     drawn, cells = np.zeros_like(alpha), np.ones(8, np.uint8)
-    bits, ones, crc = _native.code_residual(alpha, drawn, encode_header(header), form, cells)
-    expected, code = coder_of(bits, ones)
     grids, at = grids_of(form, 1, is_whole=True)
     assert (at, form[8]) == (len(form), 16)
-    found = reference_residual.block(drawn, [0], grids, False, [None], code)
-    assert next(expected, None) is None
+    found = by_the_page(alpha, drawn, header, form, cells, [0], grids, False, [None])
     np.testing.assert_array_equal(found, alpha)
-    assert zlib.crc32(found.astype("<f4").tobytes()) == crc
 
 
 def test_bands_alone_are_as_the_page_says() -> None:
@@ -380,19 +371,20 @@ def test_bands_alone_are_as_the_page_says() -> None:
     form = residual_form(header, [pixels[..., [0, 2]]], 0, exact_views=True, bands=(0, 2))
     samples = np.ascontiguousarray(pixels[..., [0, 2]], np.float32)
     drawn, cells = samples[::-1].copy(), np.ones(8, np.uint8)
-    bits, ones, crc = _native.code_residual(samples, drawn, encode_header(header), form, cells)
-    expected, code = coder_of(bits, ones)
     assert form[8:12] == bytes([2 | 32, 1, 0, 1])
     grids, at = grids_of(form, 2, is_whole=True, at=12)
     assert at == len(form)
-    found = reference_residual.block(drawn, [0, 1], grids, False, [None, None], code)
-    assert next(expected, None) is None
+    found = by_the_page(samples, drawn, header, form, cells, [0, 1], grids, False, [None, None])
     np.testing.assert_array_equal(found, samples)
-    assert zlib.crc32(found.astype("<f4").tobytes()) == crc
 
 
-def coder_of(bits: NDArray[Any], ones: NDArray[Any]) -> tuple[Iterator[tuple[int, int]], Callable[[int], int]]:
-    """What is still to come of these bits and probabilities, and what gives the next bit where it has the next one."""
+def by_the_page(
+    samples: NDArray[Any], drawn: NDArray[Any], header: Header, form: bytes, cells: NDArray[Any], *given: Any
+) -> NDArray[Any]:
+    """A block as the page reads it from the bits that are written, each with the probability that it was written with.
+    given: as to `reference_residual.block`, but for what gives a bit.
+    """
+    bits, ones, crc = _native.code_residual(samples, drawn, encode_header(header), form, cells)
     expected = iter(zip(bits.tolist(), ones.tolist(), strict=True))
 
     def code(one: int) -> int:
@@ -400,7 +392,11 @@ def coder_of(bits: NDArray[Any], ones: NDArray[Any]) -> tuple[Iterator[tuple[int
         assert one == stated
         return int(bit)
 
-    return expected, code
+    order, grids, has_bits, nodata, *more = given
+    found = reference_residual.block(drawn, order, grids, has_bits, nodata, code, *more)
+    assert next(expected, None) is None
+    assert zlib.crc32(found.astype("<f4").tobytes()) == crc
+    return found
 
 
 def palette_of(form: bytes, at: int, channels: int) -> tuple[list[list[int]], int]:

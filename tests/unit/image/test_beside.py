@@ -26,7 +26,6 @@ from sgicodec.image.beside import files_beside
         ("a.tif.aux.xml", b'<Metadata domain="xml:A" format="xml"><a/></Metadata>', True),
         ("a.tif.aux.xml", b'<PAMRasterBand band="1"><Scale>0.1</Scale></PAMRasterBand>', True),
         ("a.tif.aux.xml", b"<CategoryNames>\n<Category>a</Category></CategoryNames>", True),
-        ("a.TFW", b"10", True),
         ("A.Tfw", b"10", True),
         ("a_RPC.TXT", b"LINE_OFF: 1", True),
         ("a_rpc.txt", b"LINE_OFF: 1", True),
@@ -35,7 +34,6 @@ from sgicodec.image.beside import files_beside
         ("a.clr", b"1 0 0 255", True),
         ("ab.tfw", b"10", False),
         ("a.tif.ovr", b"", False),
-        ("b.tfw", b"10", False),
     ],
 )
 def test_files_that_say_more_are_named(name: str, contents: bytes, is_said: bool, tmp_path: Path) -> None:
