@@ -23,10 +23,8 @@ from data_files import ATTACKS, GOLDEN
 from mutate import mutated
 from scenes import ISAS
 
-from sgicodec import _native
+from sgicodec import Device, SgiError, _native
 from sgicodec.decoder.stream import CACHE_BYTES, Stream
-from sgicodec.device import Device
-from sgicodec.errors import SgiError
 
 SEEDS = (GOLDEN, ATTACKS)
 LONGEST = 40_000

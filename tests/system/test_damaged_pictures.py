@@ -11,8 +11,7 @@ import pytest
 from image_files import by_pillow, by_tifffile, save
 from PIL import Image
 
-from sgicodec import open_source
-from sgicodec.errors import SgiError
+from sgicodec import SgiError, open_source
 
 PIXELS = np.random.default_rng(4).integers(0, 256, (48, 64, 3)).astype(np.uint8)
 TRIES = 400

@@ -21,12 +21,11 @@ from pipe import Pipe
 from surgery import join, split
 from text_pages import photo, text
 
-from sgicodec import EncodeSettings, Picture, _native, encode, encode_picture
+from sgicodec import Device, EncodeSettings, Picture, _native, encode, encode_picture
 from sgicodec.bitstream.header import Header, encode_header
 from sgicodec.bitstream.rewriting import rewrite_stream
 from sgicodec.bitstream.varint import encode_varint
 from sgicodec.decoder.stream import open_stream
-from sgicodec.device import Device
 from sgicodec.encoder.input.windows import windows_of
 from sgicodec.encoder.residual.form import alpha_form, residual_form
 from sgicodec.encoder.residual.layer import ResidualLayer, residual_payload

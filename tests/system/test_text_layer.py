@@ -8,9 +8,8 @@ from scenes import ISAS
 from surgery import split
 from text_pages import means, photo, text
 
-from sgicodec import EncodeSettings, Picture, decode, encode_picture
+from sgicodec import Device, EncodeSettings, Picture, decode, encode_picture
 from sgicodec.decoder.stream import open_stream
-from sgicodec.device import Device
 from sgicodec.metrics.perceptual import ssimulacra2
 from sgicodec.metrics.psnr import psnr
 

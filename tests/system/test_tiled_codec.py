@@ -11,9 +11,8 @@ import pytest
 from data_files import crop
 from surgery import flipped, join, split
 
-from sgicodec import Encoded, EncodeSettings, NullListener, Picture, encode_picture, open_source, write
+from sgicodec import Device, Encoded, EncodeSettings, NullListener, Picture, encode_picture, open_source, write
 from sgicodec.decoder.stream import open_stream
-from sgicodec.device import Device
 from sgicodec.errors import CorruptStreamError, PictureError
 
 SETTINGS = EncodeSettings(steps=60, tile=128)

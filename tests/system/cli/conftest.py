@@ -11,11 +11,8 @@ import numpy as np
 import pytest
 from command import done
 
-from sgicodec import write
-from sgicodec.device import Device
+from sgicodec import Device, Picture, SgiError, write
 from sgicodec.encoder import pipeline as encoder
-from sgicodec.errors import SgiError
-from sgicodec.picture import Picture
 
 
 def scene(width: int = 48, height: int = 32) -> np.ndarray:

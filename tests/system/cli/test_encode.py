@@ -12,12 +12,11 @@ import pytest
 from command import done, refused, sgi, told
 from image_files import SRGB
 
-from sgicodec import imread, write
+from sgicodec import Picture, imread, write
 from sgicodec.cli.encode_listener import EncodeListener
 from sgicodec.encoder import streams
 from sgicodec.metadata.blobs import Metadata
 from sgicodec.metrics.psnr import psnr
-from sgicodec.picture import Picture
 from sgicodec.profiles.default import lmbda_of_quality
 
 

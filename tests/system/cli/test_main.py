@@ -12,14 +12,13 @@ import numpy as np
 import pytest
 from command import done, refused, sgi
 
+from sgicodec import NullListener, __version__
 from sgicodec.bitstream.header import FORMAT_VERSION
 from sgicodec.cli.command import HelpfulCommand
 from sgicodec.cli.main import cli
 from sgicodec.decoder import stream as decoder
 from sgicodec.encoder import pipeline as encoder
-from sgicodec.encoder.progress import NullListener
 from sgicodec.fit.trainer import Progress
-from sgicodec.version import __version__
 
 
 def test_help_lists_commands_and_exit_codes() -> None:

@@ -12,15 +12,13 @@ from command import done
 
 pytest.importorskip("distributed")
 
-from sgicodec import EncodeSettings, encode_picture, open_source, read, write
+from sgicodec import EncodeSettings, Picture, encode_picture, open_cluster, open_source, read, write
 from sgicodec.device import ONE_THREAD
 from sgicodec.encoder.input.windows import windows_of
 from sgicodec.encoder.plan import stream_plan
 from sgicodec.encoder.tiles.runner import PictureAt, TileTask
 from sgicodec.encoder.tiles.tasks import FitTask
 from sgicodec.errors import PictureError, TileFailedError, UsageError
-from sgicodec.executors.dask import open_cluster
-from sgicodec.picture import Picture
 
 
 def dies_once(folder: Path, number: int, job: int) -> int:

@@ -10,13 +10,11 @@ from typing import Any
 
 import pytest
 
-from sgicodec import EncodeSettings, decode, encode_picture, open_source, read
+from sgicodec import Checkpoint, EncodeSettings, ProcessExecutor, decode, encode_picture, open_source, read
 from sgicodec.encoder.progress import NullListener, PassState
-from sgicodec.encoder.tiles.checkpoint import Checkpoint
 from sgicodec.encoder.tiles.store import Store
 from sgicodec.errors import UsageError
 from sgicodec.executors.executor import MIB, Executor, Memory
-from sgicodec.executors.processes import ProcessExecutor
 from sgicodec.metrics.psnr import psnr
 
 
