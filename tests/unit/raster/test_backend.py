@@ -13,17 +13,7 @@ from fake_cuda import fake_gpu
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from reference_raster import ReferenceRasterizer, rasterize_reference, rasterize_reference_backward
-from scenes import (
-    ISAS,
-    Scene,
-    backward,
-    covariances_of,
-    exact,
-    gradient_magnitude,
-    magnitude,
-    random_scene,
-    whitened,
-)
+from scenes import ISAS, Scene, backward, covariances_of, exact, gradient_magnitude, magnitude, random_scene, whitened
 
 from sgicodec.device import Device
 from sgicodec.errors import UsageError

@@ -5,13 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from reference_raster import rasterize_reference
-from scenes import (
-    ISAS,
-    exact,
-    magnitude,
-    random_scene,
-    values_of,
-)
+from scenes import ISAS, exact, magnitude, random_scene, values_of
 
 from sgicodec.device import Device
 from sgicodec.raster.cpu import NativeRasterizer
