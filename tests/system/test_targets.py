@@ -72,7 +72,9 @@ def test_an_impossible_psnr_gives_the_nearest_stream() -> None:
     deep = drawn(48, 40, "gray", "uint16", False)
     with pytest.raises(TargetMissedError, match="99 dB") as caught:
         encode_picture(deep, EncodeSettings(psnr=99, steps=40))
-    assert quality(deep, caught.value.nearest) > 40
+    reached = quality(deep, caught.value.nearest)
+    assert reached > 40
+    assert f"{reached:.2f} dB" in str(caught.value)
 
 
 def drawn(height: int, width: int, channels: str, dtype: str, flat: bool) -> Picture:

@@ -1,13 +1,7 @@
 import io
-from collections.abc import Callable
-from pathlib import Path
-from typing import BinaryIO
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
-from pipe import trickle
-from surgery import join, split
+from surgery import join
 
 from sgicodec.bitstream.container import ChunkWriter
 from sgicodec.decoder.stream import open_stream
@@ -19,10 +13,6 @@ GOLDEN = bytes.fromhex(
     "54 00 af 8a 0e 9f"  # empty tile, CRC
     "45 00 bf a9 d7 cc"  # end mark, CRC
 )
-SMALL = (Path(__file__).parents[2] / "conformance" / "golden" / "one-pixel.sgi").read_bytes()
-
-
-SOURCES: list[Callable[[bytes], bytes | BinaryIO]] = [bytes, io.BytesIO, trickle]
 
 
 def file_of(*chunks: tuple[str, bytes]) -> bytes:
@@ -35,27 +25,9 @@ def file_of(*chunks: tuple[str, bytes]) -> bytes:
     return file.getvalue()
 
 
-HEAD, TILE = (payload for letter, payload in split(SMALL) if letter in "HT")
-"""Of a stream of one pixel."""
-
-
-def kinds_of(source: bytes | BinaryIO) -> dict[str, bytes]:
-    """Payloads of an opened stream by the letters of their chunks."""
-    with open_stream(source) as stream:
-        native = stream._open_native()
-        return {**native.blobs, "T": native.tile(0)}
-
-
 def test_layout_is_that_of_the_format_document() -> None:
     chunks = [("H", b"\1\2\3"), ("T", b"")]
     assert file_of(*chunks) == join([*chunks, ("E", b"")]) == GOLDEN
-
-
-@pytest.mark.parametrize("source", SOURCES)
-@given(st.dictionaries(st.sampled_from("sicxg"), st.binary(max_size=300)))
-def test_round_trip(source: Callable[[bytes], bytes | BinaryIO], chunks: dict[str, bytes]) -> None:
-    everything = {"H": HEAD, **chunks, "T": TILE}
-    assert kinds_of(source(file_of(*everything.items()))) == everything
 
 
 @pytest.mark.parametrize(

@@ -5,8 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-import pytest
+import rasterio
 import xarray
+from data_files import geotiff
 
 import sgicodec
 
@@ -37,24 +38,21 @@ def test_levels_are_a_tree(on_map: Path) -> None:
     assert list(groups) == ["/", "/scale0", "/scale1", "/scale2"]
 
 
-def scene(folder: Path, scales: tuple[float, ...], offsets: tuple[float, ...]) -> Path:
+def scene(folder: Path) -> Path:
     """A stream of two bands of 16 bits that end in different places, of reflectance and of temperature."""
-    rasterio = pytest.importorskip("rasterio")
     ramp = (np.indices((40, 50)).sum(axis=0) * 30 + 1000).astype(np.uint16)
     bands = np.stack([ramp, 2 * ramp])
     bands[0, :9] = bands[1, 30:] = 0
-    profile = {"count": 2, "height": 40, "width": 50, "dtype": "uint16", "nodata": 0, "photometric": "minisblack"}
-    with rasterio.open(folder / "a.tif", "w", driver="GTiff", alpha="no", **profile) as file:
-        file.write(bands)
+    with rasterio.open(geotiff(folder / "a.tif", bands, nodata=0, photometric="minisblack", alpha="no"), "r+") as file:
         file.descriptions, file.units = ("B4 red", None), ("", "K")
-        file.scales, file.offsets = scales, offsets
+        file.scales, file.offsets = (1e-4,) * 2, (-0.1,) * 2
     sgicodec.imwrite(folder / "a.sgi", folder / "a.tif", steps=3)
     return folder / "a.sgi"
 
 
 def test_scale_and_nodata_are_decoded_by_conventions(tmp_path: Path) -> None:
     """As xarray decodes those of other formats, band by band."""
-    with xarray.open_dataset(scene(tmp_path, (1e-4, 1e-4), (-0.1, -0.1)), engine="sgicodec") as data:
+    with xarray.open_dataset(scene(tmp_path), engine="sgicodec") as data:
         attributes = data["image"].attrs
         assert attributes["long_name"] == ["B4 red", ""]
         assert attributes["units"] == ["", "K"]

@@ -117,12 +117,6 @@ def test_the_nearest_is_one_that_does_not_miss_the_target() -> None:
     assert psnr.nearest([28.0, 29.8, 20.0]) == 1
 
 
-def test_messages_name_the_target_and_the_stream() -> None:
-    assert RateTarget("bytes", 90).miss_message(120).endswith("at most 90 bytes was found; the smallest has 120")
-    assert "99 dB" in RateTarget("psnr", 99).miss_message(40.125)
-    assert "40.12 dB" in RateTarget("psnr", 99).miss_message(40.125)
-
-
 def test_scores() -> None:
     score = RateTarget("score", 70.0)
     assert [score.is_met(s) for s in (68.9, 69.1, 70.9, 71.1)] == [False, True, True, False]
