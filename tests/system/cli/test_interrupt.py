@@ -6,6 +6,7 @@ import contextlib
 import signal
 import subprocess
 import sys
+from unittest.mock import Mock
 
 import pytest
 from children import HANGS
@@ -51,10 +52,7 @@ def test_the_second_signal_ends_what_is_busy_in_native_code() -> None:
 def test_an_interrupt_while_the_command_line_loads(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    def interrupted(*_: object) -> None:
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(__main__, "require", interrupted)
+    monkeypatch.setattr(__main__, "require", Mock(side_effect=KeyboardInterrupt))
     with pytest.raises(SystemExit) as ended:
         __main__.main()
     assert (ended.value.code, capsys.readouterr().err) == (130, "sgi: interrupted\n")

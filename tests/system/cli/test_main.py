@@ -6,6 +6,7 @@ import re
 import signal
 from pathlib import Path
 from typing import Any
+from unittest.mock import Mock
 
 import click
 import numpy as np
@@ -107,10 +108,7 @@ def test_usage_errors_are_one_line(arguments: list[str], place: str) -> None:
 @pytest.mark.parametrize("verbose", [False, True])
 @pytest.mark.parametrize("command", ["info", "compare"])
 def test_internal_error(stream: Path, monkeypatch: pytest.MonkeyPatch, verbose: bool, command: str) -> None:
-    def fail(*_: Any) -> None:
-        raise KeyError("two\nlines")
-
-    monkeypatch.setattr(decoder, "open_stream", fail)
+    monkeypatch.setattr(decoder, "open_stream", Mock(side_effect=KeyError("two\nlines")))
     arguments = [command, stream, stream] if command == "compare" else [command, stream, "--survey"]
     result = sgi(*arguments, *(["-v"] if verbose else []))
     assert result.exit_code == 1
@@ -121,18 +119,12 @@ def test_internal_error(stream: Path, monkeypatch: pytest.MonkeyPatch, verbose: 
 
 
 def test_out_of_memory(stream: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def fail(*_: Any, **__: Any) -> None:
-        raise MemoryError
-
-    monkeypatch.setattr(decoder.Stream, "picture", fail)
+    monkeypatch.setattr(decoder.Stream, "picture", Mock(side_effect=MemoryError))
     assert refused(1, "decode", stream) == "sgi: there is not enough memory for this picture\n"
 
 
 def test_interrupt_leaves_nothing(stream: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def interrupted(*_: Any, **__: Any) -> None:
-        signal.raise_signal(signal.SIGINT)
-
-    monkeypatch.setattr(decoder.Stream, "picture", interrupted)
+    monkeypatch.setattr(decoder.Stream, "picture", lambda *_, **__: signal.raise_signal(signal.SIGINT))
     result = sgi("decode", stream)
     assert result.exit_code == 130
     assert result.stderr.strip() == "sgi: interrupted"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 from typing import Any
+from unittest.mock import Mock
 
 import pytest
 
@@ -35,10 +36,7 @@ def test_names() -> None:
 
 @pytest.mark.parametrize("error", [NoDeviceError("no driver"), MissingExtraError("no NVRTC"), MemoryError("full")])
 def test_auto_takes_the_processor_where_cuda_says_why_not(error: Exception, monkeypatch: pytest.MonkeyPatch) -> None:
-    def usable(number: int) -> None:
-        raise error
-
-    monkeypatch.setattr(choice, "_check_usable", usable)
+    monkeypatch.setattr(choice, "_check_usable", Mock(side_effect=error))
     assert device_of("auto", 2) == Device(2)
     with pytest.raises(type(error), match=str(error)):
         device_of("cuda")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 from pathlib import Path
+from unittest.mock import Mock, call
 
 import pytest
 
@@ -58,26 +59,16 @@ def test_machine_code_and_ptx(nvrtc: Compiler) -> None:
     assert b".target sm_120" in nvrtc.compile("compute_120", "PTX")
 
 
-class Pretended:
-    """A compiler that is asked only once for each architecture."""
-
-    def __init__(self, version: str = "13.0") -> None:
-        self.version, self.asked = version, list[int]()
-
-    def code(self, architecture: int) -> bytes:
-        self.asked.append(architecture)
-        return b"code %d" % architecture
-
-
 def test_the_cache_holds_what_was_compiled(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    pretended = Pretended()
+    """And a compiler is asked once for each architecture."""
+    pretended = Mock(version="13.0", code=Mock(side_effect=lambda architecture: b"code %d" % architecture))
     monkeypatch.setattr(compiler, "the_compiler", lambda most: pretended)
     for architecture in (80, 90, 80, 90):
         assert compiled(architecture, 13, tmp_path / "new") == b"code %d" % architecture
-    assert pretended.asked == [80, 90]
+    assert pretended.code.mock_calls == [call(80), call(90)]
     pretended.version = "13.1"
     compiled(80, 13, tmp_path / "new")
-    assert pretended.asked == [80, 90, 80]
+    assert pretended.code.mock_calls == [call(80), call(90), call(80)]
 
 
 def test_what_does_not_compile_says_where(nvrtc: Compiler, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -7,6 +7,7 @@ import stat
 import subprocess
 import sys
 from pathlib import Path
+from unittest.mock import Mock
 
 import pytest
 from children import HANGS
@@ -30,10 +31,7 @@ def test_failure_keeps_the_old_file(
     target = tmp_path / "a.bin"
     target.write_bytes(b"old")
 
-    def fail(*_: object) -> None:
-        raise failure
-
-    monkeypatch.setattr(os, step, fail)
+    monkeypatch.setattr(os, step, Mock(side_effect=failure))
     with pytest.raises(type(failure)):
         write_whole(target, b"new")
     assert target.read_bytes() == b"old"
@@ -139,10 +137,7 @@ def test_a_full_disk_has_locks(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
     pytest.importorskip("fcntl")
     out = tmp_path / "out.sgi"
 
-    def fail(*_: object) -> None:
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr(os, "write", fail)
+    monkeypatch.setattr(os, "write", Mock(side_effect=OSError(28, "No space left on device")))
     for _ in range(2):
         with locked(out), pytest.raises(OutputLockedError, match="by another encode"), locked(out):
             pass

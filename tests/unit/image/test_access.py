@@ -6,6 +6,7 @@ import tracemalloc
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
+from unittest.mock import create_autospec
 
 import numpy as np
 import numpy.typing as npt
@@ -52,18 +53,12 @@ def test_the_cap_is_on_what_is_held(tmp_path: Path) -> None:
 def test_rows_that_are_kept_are_decoded_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     pixels = noise(301, 200, 3, "uint8")
     path = save(tmp_path / "x.png", pixels)
-    rows: list[int] = []
-    samples = Opened.samples
-
-    def counted(opened: Opened, method: Callable[..., Any], count: int, *where: int) -> npt.NDArray[Any]:
-        rows.append(count)
-        return samples(opened, method, count, *where)
-
-    monkeypatch.setattr(Opened, "samples", counted)
+    samples = create_autospec(Opened.samples, side_effect=Opened.samples)
+    monkeypatch.setattr(Opened, "samples", samples)
     with open_source(path, keeps=True) as source:
         for x, y in ((0, 40), (50, 150), (100, 0), (7, 240), (0, 40)):
             np.testing.assert_array_equal(source.read(x, y, 60, 61).pixels, pixels[y : y + 61, x : x + 60])
-    assert sum(rows) == 301
+    assert sum(call.args[2] for call in samples.mock_calls) == 301
 
 
 def test_large_pictures_are_not_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -5,6 +5,7 @@ import itertools
 import struct
 from pathlib import Path
 from typing import Any
+from unittest.mock import create_autospec
 
 import numpy as np
 import pytest
@@ -132,19 +133,14 @@ def test_windows_of_turned_pictures(tmp_path: Path, kind: str, orientation: int)
 
 @pytest.mark.parametrize("kind", ["strips", "strips of planes", "png", "jpeg", "exr"])
 def test_rows_are_decoded_once(files: dict[str, Path], kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    asked: list[int] = []
-    samples = Opened.samples
-
-    def counted(self: Opened, method: Any, rows: int, *where: int) -> Any:
-        asked.append(rows)
-        return samples(self, method, rows, *where)
-
+    samples = create_autospec(Opened.samples, side_effect=Opened.samples)
     monkeypatch.setattr(access, "_CHUNK_SAMPLES", 900)
-    monkeypatch.setattr(Opened, "samples", counted)
+    monkeypatch.setattr(Opened, "samples", samples)
     monkeypatch.setattr(Opened, "reopen", lambda _: pytest.fail("went back to the first row"))
     with open_source(files[kind], sample_range=(0.0, 1.0)) as source:
         for window in window_rows(WIDTH, HEIGHT, 16, 4):
             source.read(*window)
+    asked = [call.args[2] for call in samples.mock_calls]
     assert sum(asked) == HEIGHT
     assert max(asked) < HEIGHT / 2
 
