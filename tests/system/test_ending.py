@@ -22,7 +22,7 @@ def test_no_pass_follows_an_end(picture: Picture, step: int | None, monkeypatch:
     """Forty passes of RDOQ took a minute after Ctrl-C. It ends the fit at a step, or what comes after it."""
     monkeypatch.setattr(coordinate_descent, "descend", Mock(side_effect=AssertionError("a pass")))
     listener = Mock(wraps=NullListener(), ending=lambda: True, step=lambda at: step is None or at.step < step)
-    encoded = encode_picture(picture, EncodeSettings(steps=40), progress=listener, verify=True)
+    encoded = encode_picture(picture, EncodeSettings(steps=40, tune="psnr"), progress=listener, verify=True)
     assert encoded.ended_early
     assert encoded.steps == (step or 40)
     assert encoded.psnr is not None
