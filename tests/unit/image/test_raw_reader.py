@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import struct
 from pathlib import Path
 
 import numpy as np
 import pytest
+from image_files import by_tifffile
 from numpy.typing import NDArray
 from PIL import Image
-from tags import exif_of
 
 from sgicodec import read
 from sgicodec.errors import PictureError
 from sgicodec.image.reader import probe
-from sgicodec.metadata import ifd
 
 BAYER = np.array([[0, 1], [1, 2]])
 """The channel behind each filter."""
@@ -30,34 +28,20 @@ def mosaic(red: float, green: float, blue: float) -> NDArray[np.uint16]:
 
 def dng(sensor: NDArray[np.uint16], turn: int = 1) -> bytes:
     """The file of a camera that sees sRGB's own primaries."""
-    height, width = sensor.shape
     srgb_of_xyz = (3.2406, -1.5372, -0.4986, -0.9689, 1.8758, 0.0415, 0.0557, -0.204, 1.057)
     camera = [value * seen for row, seen in zip(np.reshape(srgb_of_xyz, (3, 3)), NEUTRAL, strict=True) for value in row]
 
-    def ratios(*values: float) -> bytes:
-        return b"".join(struct.pack("<ii", round(1e4 * value), 10000) for value in values)
+    def ratios(*values: float) -> list[int]:
+        return [part for value in values for part in (round(1e4 * value), 10000)]
 
-    short, long = struct.Struct("<H").pack, struct.Struct("<I").pack
-    rows = {
-        **{254: (4, long(0)), 256: (4, long(width)), 257: (4, long(height)), 258: (3, short(16)), 259: (3, short(1))},
-        **{262: (3, short(32803)), 271: (2, b"Maker\0"), 272: (2, b"Model\0")},
-        **{273: (4, long(0)), 274: (3, short(turn))},
-        **{
-            282: (5, ratios(300)),
-            283: (5, ratios(150)),
-            296: (3, short(2)),
-            277: (3, short(1)),
-            278: (4, long(height)),
-            279: (4, long(sensor.nbytes)),
-            284: (3, short(1)),
-        },
-        **{33421: (3, short(2) * 2), 33422: (1, bytes(BAYER.ravel().tolist())), 50706: (1, b"\1\4\0\0")},
-        **{50707: (1, b"\1\1\0\0"), 50708: (2, b"Model\0"), 50714: (4, long(0)), 50717: (4, long(60000))},
-        **{50721: (10, ratios(*camera)), 50728: (5, ratios(*NEUTRAL)), 50778: (3, short(21))},
-    }
-    entries = {tag: ifd.Entry(kind, data) for tag, (kind, data) in rows.items()}
-    behind = len(exif_of(entries))
-    return exif_of(entries | {273: ifd.Entry(4, long(behind))}) + sensor.astype("<u2").tobytes()
+    tags = [
+        *((271, 2, 6, "Maker"), (272, 2, 6, "Model"), (274, 3, 1, turn)),
+        *((33421, 3, 2, (2, 2)), (33422, 1, 4, bytes(BAYER.ravel().tolist())), (50706, 1, 4, b"\1\4\0\0")),
+        *((50707, 1, 4, b"\1\1\0\0"), (50708, 2, 6, "Model"), (50714, 4, 1, 0), (50717, 4, 1, 60000)),
+        *((50721, 10, 9, ratios(*camera)), (50728, 5, 3, ratios(*NEUTRAL)), (50778, 3, 1, 21)),
+    ]
+    stated = [(*tag, True) for tag in tags]
+    return by_tifffile(sensor, photometric="cfa", metadata=None, resolution=(300, 150), extratags=stated)
 
 
 def srgb(linear: float) -> float:
