@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+import scipy.ndimage
 from data_files import crop
 from image_files import was_jpeg
 from numpy.typing import NDArray
@@ -25,10 +26,7 @@ def noisy(pixels: Rgb8, deviation: float) -> Rgb8:
 
 
 def blurred(pixels: Rgb8) -> Rgb8:
-    wide = np.pad(pixels.astype(np.float64), ((1, 1), (1, 1), (0, 0)), "edge")
-    height, width, _ = pixels.shape
-    shifted = [wide[y : y + height, x : x + width] for y in range(3) for x in range(3)]
-    return np.rint(np.mean(shifted, 0)).astype(np.uint8)
+    return np.rint(scipy.ndimage.uniform_filter(pixels.astype(np.float64), (3, 3, 1), mode="nearest")).astype(np.uint8)
 
 
 DISTORTIONS = {
