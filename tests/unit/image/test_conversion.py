@@ -7,10 +7,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from data_files import PICTURES
+from image_files import SRGB, by_pillow
 from PIL import Image
 
-from sgicodec import read
 from sgicodec.errors import UsageError
 from sgicodec.image.conversion import as_picture
 from sgicodec.metadata import density, ifd
@@ -66,14 +65,11 @@ def test_other_modes_of_pillow_are_converted(mode: str, channels: str) -> None:
 
 def test_images_of_pillow_are_what_their_files_are() -> None:
     """Turned upright, with profile and EXIF."""
-    buffer = io.BytesIO()
     exif = Image.Exif()
     exif[0x0112], exif[0x010E] = 6, "a day out"
     exif.get_ifd(0x8769).update({40962: 7, 40963: 5})
-    Image.fromarray(RGB).save(
-        buffer, "png", exif=exif, dpi=(254, 508), icc_profile=read(PICTURES / "icc_profile.png").metadata.icc
-    )
-    picture, expected = as_picture(Image.open(buffer)), as_picture(buffer.getvalue())
+    data = by_pillow(RGB, "png", exif=exif, dpi=(254, 508), icc_profile=SRGB)
+    picture, expected = as_picture(Image.open(io.BytesIO(data))), as_picture(data)
     np.testing.assert_array_equal(picture.pixels, expected.pixels)
     assert picture.pixels.shape == (7, 5, 3)
     assert picture.metadata.icc == expected.metadata.icc is not None

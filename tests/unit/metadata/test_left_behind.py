@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 import tifffile
-from image_files import by_pillow
+from image_files import by_pillow, by_tifffile
 from PIL import Image, PngImagePlugin
 
 from sgicodec.metadata.filebytes import FileBytes
@@ -68,17 +68,13 @@ def masked() -> bytes:
 
 def described(**options: Any) -> bytes:
     """A TIFF with the description of a stack."""
-    out = io.BytesIO()
-    tifffile.imwrite(out, PIXELS[..., 0], **options)
-    return out.getvalue()
+    return by_tifffile(PIXELS[..., 0], **options)
 
 
 def inks(kind: int) -> bytes:
     """A TIFF of four inks, which are cyan, magenta, yellow and black (1) or others (2)."""
-    out = io.BytesIO()
     tags = [(332, "H", 1, kind, True)]
-    tifffile.imwrite(out, np.zeros((4, 4, 4), np.uint8), photometric="separated", metadata=None, extratags=tags)
-    return out.getvalue()
+    return by_tifffile(np.zeros((4, 4, 4), np.uint8), photometric="separated", metadata=None, extratags=tags)
 
 
 PAGE = ("PageName", "its position on a page")
