@@ -17,41 +17,17 @@ using sgi::require;
 
 namespace {
 
-// Numbers of groups, and their symbols, tables and steps, in coding order, that attributes of a model come to.
 auto quantise(const nb::bytes &header, nb::handle model) {
   const sgi::SeedCoding coding(header, model, "auto");
   const std::vector<double> values = sgi::attributes_of(coding.header, model);
-  const size_t count = coding.tile.log_size.size(), width = size_t(coding.model.attributes);
-  struct Run {
-    size_t number, size;
-    std::vector<int32_t> symbols;
-    std::vector<int16_t> tables;
-    std::vector<int64_t> steps;
-  };
-  std::vector<Run> runs;
-  std::vector<int64_t> decoded(count * width);
+  std::vector<int64_t> decoded(values.size());
   {
     const nb::gil_scoped_release release;
-    const sgi::AttributeSymbols nearest = sgi::nearest_symbols(coding.model, values.data());
-    const auto code = [&](const sgi::AttributeRun &run, int32_t *symbols) {
-      nearest(run, symbols);
-      const auto n = run.count();
-      runs.push_back({run.number,
-                      size_t(run.group.size()),
-                      {symbols, symbols + n},
-                      {run.tables, run.tables + n},
-                      {run.step, run.step + n}});
-    };
-    sgi::code_attributes(code, coding.model, coding.seeds, 1, decoded.data());
+    sgi::code_attributes(sgi::nearest_symbols(coding.model, values.data()), coding.model, coding.seeds, 1,
+                         decoded.data());
   }
-  const auto arrays = [](Run &run) {
-    const std::array shape{run.symbols.size() / run.size, run.size};
-    return std::tuple(run.number, as_array<int32_t>(std::move(run.symbols), shape),
-                      as_array<int16_t>(std::move(run.tables), shape), as_array<int64_t>(std::move(run.steps), shape));
-  };
-  std::vector<decltype(arrays(runs[0]))> found;
-  for (Run &run : runs) found.push_back(arrays(run));
-  return std::tuple(as_array<int64_t>(std::move(decoded), std::array{count, width}), std::move(found));
+  return as_array<int64_t>(std::move(decoded),
+                           std::array{coding.tile.log_size.size(), size_t(coding.model.attributes)});
 }
 
 auto neighbours_by_pass(int ranks, Array<const int32_t, 2> corner, Array<const int8_t, 1> log_size) {
@@ -85,7 +61,5 @@ void bind_attributes(nb::module_ &m) {
         "The seeds of each pass [n], and their nearest seeds of earlier passes [n, ranks]: nearest first, -1 where "
         "there\n"
         "is none.");
-  m.def("quantise", &quantise, "header"_a, "model"_a,
-        "What attributes of a TileModel decode to [N, d_A], in 2^-24, and in coding order numbers of groups, symbols, "
-        "tables and steps.");
+  m.def("quantise", &quantise, "header"_a, "model"_a, "What attributes of a TileModel decode to [N, d_A], in 2^-24.");
 }

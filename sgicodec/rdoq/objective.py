@@ -52,7 +52,7 @@ class Objective:
 
     def decoded_residual(self, model: TileModel) -> F32:
         """Target less what a decoder will draw [C, H, W + padding]."""
-        return self.residual(with_values(self.header.spec, model, quantise(self.header, model).values))
+        return self.residual(with_values(self.header.spec, model, quantise(self.header, model).decoded_values))
 
 
 def joined(model: TileModel) -> F64:

@@ -26,6 +26,17 @@ class Seed(NamedTuple):
         return 2 * self.x + (1 << self.k), 2 * self.y + (1 << self.k)
 
 
+class Coded(NamedTuple):
+    """A symbol: of which group, seed and attribute of the group; its step in 2^-24 and its table."""
+
+    group: str
+    seed: int
+    place: int
+    symbol: int
+    step: int
+    table: int
+
+
 def clip(value: int, low: int, high: int) -> int:
     return min(max(value, low), high)
 
@@ -59,6 +70,7 @@ class PageAttributes:
         self.groups = [*held, ("offset", 2 * k)]
         self.values: list[dict[str, list[int]]] = [{} for _ in seeds]
         self.done: list[int] = []  # seeds of earlier passes
+        self.coded: list[Coded] = []  # one after the other
 
     def read_all(self, read: Read) -> list[list[int]]:
         """Attributes of all seeds in the order of groups."""
@@ -108,6 +120,11 @@ class PageAttributes:
                 known.append((mean, step_of(e)))
                 tables.append(64 * self.family + clip(24 + y[units + first + use] + b - e, 0, 63))
         symbols = read(tables)
+        columns = [(i, j) for i in members for j in range(size)]
+        self.coded += [
+            Coded(name, *at, *one)
+            for at, *one in zip(columns, symbols, [step for _, step in known], tables, strict=True)
+        ]
         decoded = [mean + step * n for (mean, step), n in zip(known, symbols, strict=True)]
         for place, i in enumerate(members):
             self.values[i][name] = decoded[place * size : (place + 1) * size]

@@ -5,8 +5,7 @@ Native code reads and writes it (native/bitstream/tile.cpp).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import NamedTuple
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,41 +22,17 @@ from sgicodec.model.restoration import Restoration
 from sgicodec.model.steps import StepPlan
 from sgicodec.model.texture_symbols import TextureSymbols
 
-__all__ = ["QuantisedAttributes", "SymbolRun", "TileModel", "quantise", "read_tile", "write_tile"]
+__all__ = ["TileModel", "quantise", "read_tile", "write_tile"]
 
 F64 = NDArray[np.float64]
 I64 = NDArray[np.int64]
 
 
-class SymbolRun(NamedTuple):
-    """Symbols [n, size] of an attribute group, indices of their frequency tables, and their steps in units of 2^-24."""
-
-    group: str
-    symbols: NDArray[np.int32]
-    tables: NDArray[np.int16]
-    steps: I64
-
-
-@dataclass(frozen=True)
-class QuantisedAttributes:
-    """decoded [N, d_A]: attributes as a decoder will have them, in units of 2^-24, in the layout's order. runs: the
-    symbols that say so, in the order in which they are coded.
-    """
-
-    decoded: I64
-    runs: list[SymbolRun]
-
-    @property
-    def values(self) -> F64:
-        """Decoded attributes [N, d_A] as floats."""
-        return np.multiply(self.decoded, 2.0**-FRACTION_BITS, dtype=np.float64)
-
-
 @dataclass
 class TileModel:
     """A model as the stream holds it. attributes: float by group [N, size], of a model that is to be written; decoded:
-    [N, d_A] in units of 2^-24, of one that was read. base: integer grid [C, rows, columns] in steps of index
-    `base_step`. decoders: in units of 2^-decoder_shift, which has 5 bits. texture, restoration: None for none.
+    [N, d_A] in units of 2^-24, of one that was read or quantised. base: integer grid [C, rows, columns] in steps of
+    index `base_step`. decoders: in units of 2^-decoder_shift, which has 5 bits. texture, restoration: None for none.
     """
 
     layout: SeedLayout
@@ -81,10 +56,9 @@ class TileModel:
         return np.multiply(self.decoded, 2.0**-FRACTION_BITS, dtype=np.float64)
 
 
-def quantise(header: Header, model: TileModel) -> QuantisedAttributes:
-    """The attributes of a model as a stream will hold them. Nothing is coded."""
-    decoded, runs = _native.quantise(encode_header(header), model)
-    return QuantisedAttributes(decoded, [SymbolRun(header.spec.groups[run[0]].name, *run[1:]) for run in runs])
+def quantise(header: Header, model: TileModel) -> TileModel:
+    """The model with its attributes as a stream will hold them, too. Nothing is coded."""
+    return replace(model, decoded=_native.quantise(encode_header(header), model))
 
 
 def write_tile(header: Header, model: TileModel) -> tuple[bytes, dict[str, float]]:

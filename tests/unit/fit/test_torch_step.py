@@ -12,14 +12,14 @@ import torch
 from frequency_tables import SCALES, frequency_tables
 from numpy.typing import NDArray
 from random_fit import random_networks
-from symbols import SymbolWriter
 
 from sgicodec.bitstream.header import Header
-from sgicodec.bitstream.parts.tile import TileModel, quantise
+from sgicodec.bitstream.parts.tile import TileModel, quantise, write_tile
 from sgicodec.fit.context_weights import ContextWeights, float_weights
 from sgicodec.fit.noise import NoiseKey
 from sgicodec.fit.step_sizes import flat_steps
 from sgicodec.model.context import hash_grid
+from sgicodec.model.gaussians import decoder_shapes
 from sgicodec.model.layout import adaptive_layout, uniform_layout
 from sgicodec.model.network import IntNetwork
 from sgicodec.model.quantization import PER_OCTAVE, SCALE_ZERO
@@ -77,16 +77,15 @@ def test_the_fit_counts_the_bits_that_are_written(spec: ModelSpec) -> None:
     is_adaptive = spec.layout == "adaptive"
     layout = adaptive_layout(detail, 6.0) if is_adaptive else uniform_layout(width, height, 500, rng)
     values = {g.name: rng.normal(size=(len(layout), g.size)) * SPREAD[g.name] for g in spec.groups}
+    spec = replace(spec, luma_space=False, base_cell=0)
     plan, networks, signs, net = default_plan(spec, QUALITY), *context_of(spec)
-    header = Header(*SIZE, "multi", "uint8", (0.0, 255.0), "default", replace(spec, luma_space=False), QUALITY, FAMILY)
-    nothing = np.zeros((0, 0, 0), np.int64)
-    quantised = quantise(header, TileModel(layout, plan, 0, nothing, {}, networks, signs, values))
-    writer = SymbolWriter()
-    for run in quantised.runs:
-        writer.code(run.symbols, run.tables)
-    written = writer.bits
+    header = Header(*SIZE, "multi", "uint8", (0.0, 255.0), "default", spec, QUALITY, FAMILY)
+    base, decoders = np.zeros((3, 0, 0), np.int64), {n: np.zeros(s, np.int64) for n, s in decoder_shapes(spec).items()}
+    model = TileModel(layout, plan, 0, base, decoders, networks, signs, values, decoder_shift=8)
+    quantised, (_, bits) = quantise(header, model), write_tile(header, model)
+    written = sum(bits[group.name] for group in spec.groups)
 
-    decoded = torch.from_numpy(quantised.values)
+    decoded = torch.from_numpy(quantised.decoded_values)
     rounded = {group.name: decoded[:, group.columns].float() for group in spec.groups}
     proxy = QuantizationProxy(spec, FAMILY)
     proxy.set_layout(layout, QUALITY, *SIZE)

@@ -37,7 +37,7 @@ def coded(objective: Objective, model: TileModel) -> tuple[NDArray[np.float64], 
     """Attributes [N, d_A] as a stream would hold them, and the bits of its parts."""
     quantised = quantise(objective.header, model)
     _, bits = write_tile(objective.header, model)
-    return quantised.values, bits
+    return quantised.decoded_values, bits
 
 
 @pytest.mark.parametrize("isa", ISAS)

@@ -8,9 +8,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from integer_root import root
+from page_tiles import read_from_the_page
 
 from sgicodec.bitstream.header import Header
-from sgicodec.bitstream.parts.tile import TileModel, quantise
+from sgicodec.bitstream.parts.tile import TileModel, write_tile
 from sgicodec.model.context import network_shapes
 from sgicodec.model.layout import SeedLayout
 from sgicodec.model.network import IntNetwork
@@ -19,7 +20,8 @@ from sgicodec.model.steps import StepPlan, default_plan
 from sgicodec.profiles.default import default_spec
 
 CHANNELS = 32
-SPEC = replace(default_spec(CHANNELS), luma_space=False)
+_SPEC = default_spec(CHANNELS)
+SPEC = replace(_SPEC, luma_space=False, base_cell=0, context=replace(_SPEC.context, prior=0))
 
 
 def shape_steps(colours: list[list[int]], base: int) -> np.ndarray:
@@ -37,14 +39,14 @@ def shape_steps(colours: list[list[int]], base: int) -> np.ndarray:
     corner = np.stack([2 * np.arange(n), np.zeros(n)], axis=1).astype(np.int32)
     layout = SeedLayout(corner, np.ones(n, np.int8))
     header = Header(2 * n, 2, "multi", "uint8", (0.0, 255.0), "default", SPEC, 0, 0)
-    values = {"colour": np.array(colours) / 2.0**12, "shape": np.zeros((n, 3)), "offset": np.zeros((n, 2))}
+    values = {"colour": np.array(colours) / 2.0**12, "shape": np.full((n, 3), 5.0), "offset": np.zeros((n, 2))}
     nothing = np.zeros((CHANNELS, 0, 0), np.int64)
     model = TileModel(layout, StepPlan(bases, plan.gamma), 0, nothing, {}, networks, [], values)
-    coded = quantise(header, model)
-    assert np.array_equal(coded.decoded[:, :CHANNELS], np.array(colours) << 12)
-    steps = np.concatenate([run.steps for run in coded.runs if run.group == "shape"])[:, 0]
-    order = np.argsort(np.concatenate([np.arange(n)[start::2] for start in (0, 1)]))  # even places are coded first
-    return step_index(steps * 2.0**-24)[order]
+    read, page, _, _ = read_from_the_page(header, write_tile(header, model)[0])
+    assert np.array_equal(read.decoded[:, :CHANNELS], np.array(colours) << 12)
+    symbols = {one.seed: one.symbol for one in page.coded if (one.group, one.place) == ("shape", 0)}
+    steps = np.array([read.decoded[seed, CHANNELS] // symbols[seed] for seed in range(n)])
+    return step_index(steps * 2.0**-24)
 
 
 @pytest.mark.parametrize("offset", [-1, 0, 1, 2])
