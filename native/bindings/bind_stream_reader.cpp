@@ -1,8 +1,6 @@
-#include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
-#include <string>
 #include <tuple>
 #include <vector>
 
@@ -10,22 +8,12 @@
 #include "bindings/bindings.hpp"
 #include "bitstream/chunk_kinds.hpp"
 #include "bitstream/container.hpp"
-#include "bitstream/shipped.hpp"
 #include "model/tile_grid.hpp"
 
 namespace nb = nanobind;
 using namespace nb::literals;
 
 namespace {
-
-nb::bytes as_bytes(sgi::Bytes held) { return nb::bytes(held.data, held.size); }
-
-sgi::Bytes shipped(const std::string &kind, int number) {
-  if (kind == "prior") return sgi::shipped_prior();
-  if (kind == "texture") return sgi::shipped_texture();
-  if (kind == "restoration") return sgi::shipped_restoration(number);
-  return sgi::shipped_tables();
-}
 
 nb::list segments(int64_t length, int64_t count, int64_t apron, double start, double scale, int64_t first, int64_t n) {
   sgi::require(length >= 1 && count >= 1 && apron >= 0 && n >= 1, "length, count and n must be at least 1");
@@ -48,9 +36,6 @@ void bind_stream_reader(nb::module_ &m) {
   m.attr("CHUNK_KINDS") = nb::tuple(kinds);
   m.attr("MAX_PAYLOAD") = sgi::kMaxPayload;
   m.attr("SIGNATURE") = nb::bytes(sgi::kSignature, sgi::kSignatureBytes);
-  m.def(
-      "shipped", [](const std::string &kind, int number) { return as_bytes(shipped(kind, number)); }, "kind"_a,
-      "number"_a, "Tables, prior or texture, or the restoration of this number, empty where there is none.");
   m.def("tile_segments", &segments, "length"_a, "count"_a, "apron"_a, "start"_a, "scale"_a, "first"_a, "n"_a,
         "First and last pixel, tile and the next one's share, or None, of each run of output pixels along an axis.");
 }

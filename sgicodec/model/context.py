@@ -9,7 +9,6 @@ from sgicodec._native import (
     INPUT_BITS,
     LEVELS,
     NEIGHBOUR_INPUTS,
-    SUMMARY,
     HashGrid,
     neighbours_by_pass,
     own_input_count,
@@ -20,7 +19,6 @@ from sgicodec.model.spec import ContextSpec, ModelSpec
 __all__ = [
     "INPUT_BITS",
     "LEVELS",
-    "SUMMARY",
     "hash_grid",
     "input_count",
     "level_inputs",

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from sgicodec._native import HIDDEN_LIMIT, INPUT_LIMIT, MEAN_BITS
+from sgicodec._native import HIDDEN_LIMIT, INPUT_LIMIT
 from sgicodec.errors import CorruptStreamError
 from sgicodec.model.context import INPUT_BITS
 from sgicodec.model.quantization import PER_OCTAVE
 
-__all__ = ["INPUT_LIMIT", "MEAN_BITS", "IntNetwork"]
+__all__ = ["IntNetwork"]
 
 I64 = NDArray[np.int64]
 

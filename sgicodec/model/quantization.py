@@ -11,21 +11,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec._native import (
-    DEAD_ZONE,
-    DEAD_ZONE_LIMIT,
     FRACTION_BITS,
     PER_OCTAVE,
-    SCALE_ZERO,
     STEP_COUNT,
     STEP_ZERO,
 )
 
 __all__ = [
-    "DEAD_ZONE",
-    "DEAD_ZONE_LIMIT",
     "FRACTION_BITS",
     "PER_OCTAVE",
-    "SCALE_ZERO",
     "STEP_COUNT",
     "STEP_ZERO",
     "step_fixed",

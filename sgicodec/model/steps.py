@@ -8,15 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from sgicodec._native import AMPLITUDE_ZERO, GAMMA_BITS, REFINE_LIMIT
+from sgicodec._native import GAMMA_BITS
 from sgicodec.model.context import LEVELS, output_count
 from sgicodec.model.quantization import STEP_COUNT, STEP_ZERO, step_index
 from sgicodec.model.spec import ModelSpec
 
 __all__ = [
-    "AMPLITUDE_ZERO",
     "GAMMA_BITS",
-    "REFINE_LIMIT",
     "StepPlan",
     "default_plan",
     "follows_amplitude",

@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec._native import CONTRAST_LIMIT, draw_texture
-from sgicodec._native import TEXTURE_MIN_LOG as MIN_LOG
 from sgicodec._native import TEXTURE_ROOT_LOG as ROOT_LOG
 from sgicodec.device import ONE_THREAD, Device
 
@@ -17,7 +16,6 @@ __all__ = [
     "CONTRAST_LIMIT",
     "LAPPED",
     "MAX_SLOPE",
-    "MIN_LOG",
     "ROOT_LOG",
     "SAME_COLOURS",
     "SAME_STEP",

@@ -8,8 +8,6 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from sgicodec._native import shipped
-
 PARTS = Path(__file__).parents[2] / "sgicodec" / "bitstream" / "parts"
 MOST = 32767
 
@@ -43,7 +41,7 @@ class Network:
 
 def another_network() -> bytes:
     """The file of a network that does not ship: the second that does, with other weights in its last layer."""
-    data = bytearray(shipped("restoration", 2))
+    data = bytearray((PARTS / "restoration2.bin").read_bytes())
     for at in range(len(data) - 6 - 9 * 12 * 3, len(data) - 6, 5):
         data[at] ^= 1
     return bytes(data)
@@ -51,7 +49,7 @@ def another_network() -> bytes:
 
 def network_of(network: int | bytes) -> Network:
     """The shipped network of a number, or that of a file."""
-    data = network if isinstance(network, bytes) else shipped("restoration", network)
+    data = network if isinstance(network, bytes) else (PARTS / f"restoration{network}.bin").read_bytes()
     layers, k = data[0], data[1]
     shapes = [tuple(data[2 + 3 * i : 5 + 3 * i]) for i in range(layers)]
     at, weights, biases = 2 + 3 * layers, [], []

@@ -7,10 +7,10 @@ from dataclasses import replace
 import numpy as np
 from symbols import SymbolReader, SymbolWriter, write_texture
 
+from sgicodec._native import TEXTURE_MIN_LOG as MIN_LOG
 from sgicodec.bitstream.parts.texture import layer_of
 from sgicodec.model.texture_symbols import (
     LAPPED,
-    MIN_LOG,
     ROOT_LOG,
     TextureGrid,
     TextureSteps,

@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from data_files import crop
+from data_files import ROOT, crop
 
-from sgicodec import EncodeSettings, Picture, _native, encode_picture
+from sgicodec import EncodeSettings, Picture, encode_picture
 from sgicodec.bitstream.parts.prior import load_prior, parse_prior, prior_file
 from sgicodec.decoder.stream import open_stream
 from sgicodec.errors import UsageError
@@ -16,7 +16,7 @@ from sgicodec.model.network import IntNetwork
 from sgicodec.profiles.default import default_spec
 
 QUICK = EncodeSettings(quality=45, steps=60)
-SHIPPED = _native.shipped("prior", 0)
+SHIPPED = (ROOT / "sgicodec" / "bitstream" / "parts" / "prior1.bin").read_bytes()
 
 
 @pytest.fixture(scope="module")

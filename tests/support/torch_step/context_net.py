@@ -8,10 +8,10 @@ from typing import Any
 import torch
 from torch import Tensor
 
+from sgicodec._native import INPUT_LIMIT
 from sgicodec.fit.context_weights import WEIGHT_SHIFT, ContextWeights, shaped
 from sgicodec.fit.weight_bits import ADDED_UNITS
 from sgicodec.model.context import INPUT_BITS, network_shapes, output_count
-from sgicodec.model.network import INPUT_LIMIT
 from sgicodec.model.spec import ModelSpec
 
 

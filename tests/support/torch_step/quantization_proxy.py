@@ -15,22 +15,31 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
-from sgicodec._native import COLOUR_GAIN_BITS, INPUT_LIMIT, LOUDNESS_ZERO, MIN_MASS, OCTAVE_LIMIT, OFFSET_LIMIT
+from sgicodec._native import (
+    AMPLITUDE_ZERO,
+    COLOUR_GAIN_BITS,
+    DEAD_ZONE,
+    DEAD_ZONE_LIMIT,
+    INPUT_LIMIT,
+    LOUDNESS_ZERO,
+    MIN_MASS,
+    OCTAVE_LIMIT,
+    OFFSET_LIMIT,
+    REFINE_LIMIT,
+    SCALE_ZERO,
+)
 from sgicodec.fit.noise import NoiseKey, hashed_noise
 from sgicodec.fit.step_sizes import base_counts, gamma_names
 from sgicodec.model.context import INPUT_BITS, LEVELS, hash_grid, level_inputs, neighbour_table
 from sgicodec.model.layout import SeedLayout
 from sgicodec.model.quantization import (
-    DEAD_ZONE,
-    DEAD_ZONE_LIMIT,
     FRACTION_BITS,
     PER_OCTAVE,
-    SCALE_ZERO,
     STEP_COUNT,
     STEP_ZERO,
 )
 from sgicodec.model.spec import Group, ModelSpec
-from sgicodec.model.steps import AMPLITUDE_ZERO, REFINE_LIMIT, follows_amplitude
+from sgicodec.model.steps import follows_amplitude
 from sgicodec.profiles.fit_settings import Rounding
 from tests.support.page_attributes import WEIGHTS
 from tests.support.torch_step.context_net import ContextNet

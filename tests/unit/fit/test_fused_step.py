@@ -10,13 +10,13 @@ from random_fit import random_fit
 from scenes import ISAS
 from torch import Tensor
 
+from sgicodec._native import DEAD_ZONE, DEAD_ZONE_LIMIT
 from sgicodec.device import Device
 from sgicodec.fit.fused_step import FusedStep
 from sgicodec.fit.noise import NoiseKey, hashed_noise
 from sgicodec.fit.parameters import StepResult
 from sgicodec.fit.pyramid import Level
 from sgicodec.model.gaussians import gaussians_from_seeds
-from sgicodec.model.quantization import DEAD_ZONE, DEAD_ZONE_LIMIT
 from sgicodec.model.spec import ModelSpec
 from sgicodec.profiles.default import default_spec
 from sgicodec.profiles.fit_settings import FitSettings, Phase, Rounding

@@ -13,6 +13,7 @@ from frequency_tables import SCALES, frequency_tables
 from numpy.typing import NDArray
 from random_fit import random_networks
 
+from sgicodec._native import PER_OCTAVE, SCALE_ZERO
 from sgicodec.bitstream.header import Header
 from sgicodec.bitstream.parts.tile import TileModel, quantise, write_tile
 from sgicodec.fit.context_weights import ContextWeights, float_weights
@@ -22,7 +23,6 @@ from sgicodec.model.context import hash_grid
 from sgicodec.model.gaussians import decoder_shapes
 from sgicodec.model.layout import adaptive_layout, uniform_layout
 from sgicodec.model.network import IntNetwork
-from sgicodec.model.quantization import PER_OCTAVE, SCALE_ZERO
 from sgicodec.model.spec import ModelSpec
 from sgicodec.model.steps import default_plan
 from sgicodec.profiles.default import default_spec

@@ -8,9 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scenes import ISAS
 
-from sgicodec._native import evaluate_network
+from sgicodec._native import HIDDEN_LIMIT, INPUT_LIMIT, evaluate_network
 from sgicodec.errors import CorruptStreamError
-from sgicodec.model.network import HIDDEN_LIMIT, INPUT_LIMIT, IntNetwork
+from sgicodec.model.network import IntNetwork
 
 INPUTS, HIDDEN, PREDICTED, GROUPS = 11, 7, 3, 2
 OUTPUTS = 2 * PREDICTED + GROUPS

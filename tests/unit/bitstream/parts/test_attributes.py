@@ -13,6 +13,7 @@ from page_tiles import read_from_the_page
 from reference_decoder import ROUNDING
 from surgery import split
 
+from sgicodec._native import DEAD_ZONE_LIMIT
 from sgicodec.bitstream.header import Header, decode_header
 from sgicodec.bitstream.parts.prior import load_prior
 from sgicodec.bitstream.parts.tile import TileModel, quantise, read_tile, write_tile
@@ -20,7 +21,6 @@ from sgicodec.bitstream.parts.tile_chunk import decode_tile_chunk
 from sgicodec.device import Device
 from sgicodec.model.context import nearest_by_pass
 from sgicodec.model.layout import SeedLayout
-from sgicodec.model.quantization import DEAD_ZONE_LIMIT
 from sgicodec.model.spec import ModelSpec
 from sgicodec.model.steps import default_plan
 from sgicodec.profiles.default import default_spec
