@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scenes import ISAS
@@ -112,18 +114,19 @@ def test_text_beside_a_photograph(mixed: Picture, mixed_stream: bytes) -> None:
 
 
 @pytest.mark.parametrize(
-    ("target", "tile"), [({"size": 16000}, 0), ({"size": 16000}, 256), ({"psnr": 36}, 256), ({"ssimulacra2": 70}, 0)]
+    ("target", "tile"), [({"size": 6000}, 0), ({"size": 6000}, 256), ({"psnr": 36}, 256), ({"ssimulacra2": 70}, 0)]
 )
 def test_text_beside_a_photograph_at_a_target(mixed: Picture, target: dict[str, float], tile: int) -> None:
     """The stream meets it as a whole, with hard letters."""
+    pixels = np.ascontiguousarray(mixed.pixels[240:528, 160:480])
     settings = EncodeSettings(steps=20, tile=tile, effort=1, **target)
-    encoded = encode_picture(mixed, settings, verify=True)
+    encoded = encode_picture(replace(mixed, pixels=pixels), settings, verify=True)
     with open_stream(encoded.data) as stream:
         found = stream.picture().pixels
         assert stream.software.split()[1].startswith(*target)
-    np.testing.assert_array_equal(found[400:], mixed.pixels[400:])
-    measured = psnr(mixed.pixels / 255, found / 255)
-    has = {"bytes": encoded.size, "psnr": measured, "score": ssimulacra2(mixed.pixels, found)}
+    np.testing.assert_array_equal(found[160:], pixels[160:])
+    measured = psnr(pixels / 255, found / 255)
+    has = {"bytes": encoded.size, "psnr": measured, "score": ssimulacra2(pixels, found)}
     rate_target = settings.rate_target(1)
     assert rate_target.is_met(has[rate_target.quantity])
     assert encoded.psnr == pytest.approx(measured)
