@@ -16,8 +16,8 @@ from sgicodec.cuda.structures import structures
 from sgicodec.cuda.tiles import CudaView, TilePasses
 from sgicodec.fit.device_networks import DECODERS, Activations, DeviceNetworks
 from sgicodec.fit.feature_step import FeatureInputs, FeatureOutputs, FeatureStep
-from sgicodec.fit.fused_step import ROUNDINGS
-from sgicodec.fit.pyramid import Level
+from sgicodec.fit.pyramid import PyramidLevel
+from sgicodec.fit.seed_step import ROUNDINGS
 from sgicodec.model.context import INPUT_BITS, hash_grid, level_inputs
 from sgicodec.model.layout import SeedLayout
 from sgicodec.model.spec import ModelSpec
@@ -40,7 +40,7 @@ class DeviceFeatureStep(FeatureStep):
     def __init__(self, spec: ModelSpec, settings: FitSettings, raster: CudaRasterizer, size: tuple[int, int]) -> None:
         self.spec, self.settings, self.size = spec, settings, size
         self.gpu, self.cutoff = raster.gpu, raster.cutoff
-        self._level: tuple[Level, dict[str, GpuArray]] | None = None
+        self._level: tuple[PyramidLevel, dict[str, GpuArray]] | None = None
         self._passes: TilePasses | None = None
 
     def set_layout(self, layout: SeedLayout, quality: int) -> None:
@@ -68,7 +68,7 @@ class DeviceFeatureStep(FeatureStep):
         self._held |= {name: self.gpu.array(shape) for name, shape in self._shapes(len(hashed)).items()}
         self._networks = DeviceNetworks(self.gpu, self.spec, self.count)
 
-    def _evaluate(self, given: FeatureInputs, level: Level) -> FeatureOutputs:
+    def _evaluate(self, given: FeatureInputs, level: PyramidLevel) -> FeatureOutputs:
         self.gpu.use()
         arguments, networks = self._take(given, level.scale), self._networks
         if given.priced:
@@ -126,7 +126,7 @@ class DeviceFeatureStep(FeatureStep):
             **{name: array.address for name, array in self._held.items() if name not in _OF_NETWORKS},
         )
 
-    def _error(self, level: Level) -> float:
+    def _error(self, level: PyramidLevel) -> float:
         """Squared error; the gradients of the mean absolute error in the Gaussians are there then."""
         passes = self._passes_of(level)
         passes.bin_all()
@@ -153,7 +153,7 @@ class DeviceFeatureStep(FeatureStep):
             inputs, down, adds, skipped = self._held["inputs"], self._held["hash_slopes"], False, self._constants
         return Activations(inputs, hidden, said, up, slopes, down, adds, skipped)
 
-    def _passes_of(self, level: Level) -> TilePasses:
+    def _passes_of(self, level: PyramidLevel) -> TilePasses:
         """Over the tiles of a level, whose samples and weights stay on the GPU until there is another."""
         if self._level is None or self._level[0] is not level:
             self._passes, held = None, {"target": self.gpu.put(level.samples)}

@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 
 from sgicodec import _native
 from sgicodec.device import Device
-from sgicodec.fit.fused_step import ROUNDINGS
 from sgicodec.fit.noise import NoiseKey
 from sgicodec.fit.parameters import Parameters, StepResult
-from sgicodec.fit.pyramid import Level
+from sgicodec.fit.pyramid import PyramidLevel
+from sgicodec.fit.seed_step import ROUNDINGS
 from sgicodec.fit.weight_bits import price_slope, with_weight_noise
 from sgicodec.model.context import LEVELS
 from sgicodec.model.gaussians import decoder_parts, empty_gaussians
@@ -84,7 +84,9 @@ class FeatureStep:
         self.native.set_layout(layout.half_pixels, quality, *self.size)
         self.count = len(layout)
 
-    def run(self, parameters: Parameters, rounding: Rounding, number: int, level: Level, lmbda: float) -> StepResult:
+    def run(
+        self, parameters: Parameters, rounding: Rounding, number: int, level: PyramidLevel, lmbda: float
+    ) -> StepResult:
         """As `GradientStep.run`."""
         seeds, context, noise = parameters.seeds, parameters.context, NoiseKey.of(self.settings.seed, number)
         assert context is not None
@@ -116,7 +118,7 @@ class FeatureStep:
             gradients |= context.gradients(outputs.sums[len(decoders) :], outputs.tables, given.price)
         return StepResult(outputs.error, outputs.bits, gradients)
 
-    def _evaluate(self, given: FeatureInputs, level: Level) -> FeatureOutputs:
+    def _evaluate(self, given: FeatureInputs, level: PyramidLevel) -> FeatureOutputs:
         """The step but for what weights cost."""
         gaussians = empty_gaussians(self.count * self.spec.per_seed, self.spec.channels)
         feature, scales, offset = given.values
@@ -133,6 +135,6 @@ class FeatureStep:
         self.native.backward(*slopes, given.price / given.share, given.price, *values, sums, tables)
         return FeatureOutputs(error, bits, values, sums, tables)
 
-    def _draw(self, gaussians: tuple[F32, F32, F32], level: Level) -> tuple[Errors, tuple[F32, F32, F32]]:
+    def _draw(self, gaussians: tuple[F32, F32, F32], level: PyramidLevel) -> tuple[Errors, tuple[F32, F32, F32]]:
         """Mean absolute error and the sum of squares, and the gradients of the former in the Gaussians."""
         return self.raster.error(*gaussians, level.samples, "absolute", 1.0 / level.samples.size, level.weights)

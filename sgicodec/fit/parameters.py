@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec.fit.context_weights import ContextWeights
-from sgicodec.fit.pyramid import Level
+from sgicodec.fit.pyramid import PyramidLevel
 from sgicodec.fit.seed_set import SeedSet
 from sgicodec.model.layout import SeedLayout
 from sgicodec.profiles.fit_settings import Rounding
@@ -61,6 +61,8 @@ class GradientStep(Protocol):
         """Prepares everything that depends on where the seeds are."""
         ...
 
-    def run(self, parameters: Parameters, rounding: Rounding, number: int, level: Level, lmbda: float) -> StepResult:
+    def run(
+        self, parameters: Parameters, rounding: Rounding, number: int, level: PyramidLevel, lmbda: float
+    ) -> StepResult:
         """Step `number` of a fit against a level of the pyramid. λ 0: bits do not count."""
         ...

@@ -9,12 +9,12 @@ from numpy.typing import NDArray
 
 from sgicodec._native import halved
 
-__all__ = ["Level", "levels_of", "max_level", "pyramid"]
+__all__ = ["PyramidLevel", "max_level", "pyramid", "pyramid_levels"]
 
 F32 = NDArray[np.float32]
 
 
-class Level(NamedTuple):
+class PyramidLevel(NamedTuple):
     """What a step is fitted to: samples [C, H, W], the picture's size times `scale`, and the weights of their squared
     errors [H, W], None where all are 1.
     """
@@ -33,10 +33,10 @@ def max_level(width: int, height: int) -> int:
     return max(0, (min(width, height) // MIN_SIDE).bit_length() - 1)
 
 
-def levels_of(target: F32, weights: F32 | None, count: int) -> list[Level]:
+def pyramid_levels(target: F32, weights: F32 | None, count: int) -> list[PyramidLevel]:
     """The pyramid of a picture and its weights."""
     maps = [None] * count if weights is None else [plane[0] for plane in pyramid(weights[None], count)]
-    return [Level(image, 0.5**level, maps[level]) for level, image in enumerate(pyramid(target, count))]
+    return [PyramidLevel(image, 0.5**level, maps[level]) for level, image in enumerate(pyramid(target, count))]
 
 
 def pyramid(target: F32, levels: int) -> list[F32]:

@@ -14,11 +14,11 @@ from sgicodec.fit.adam import Adam
 from sgicodec.fit.context_weights import ContextWeights
 from sgicodec.fit.densification import worthwhile_cells
 from sgicodec.fit.feature_step import FeatureStep
-from sgicodec.fit.fused_step import FusedStep
 from sgicodec.fit.initialization import CellMeans
 from sgicodec.fit.parameters import GradientStep, Parameters, learning_rate_of
-from sgicodec.fit.pyramid import levels_of, max_level
+from sgicodec.fit.pyramid import max_level, pyramid_levels
 from sgicodec.fit.seed_set import SeedSet
+from sgicodec.fit.seed_step import SeedStep
 from sgicodec.fit.step_sizes import base_counts, flat_steps, rounded_plan
 from sgicodec.model.context import LEVELS, hash_grid
 from sgicodec.model.layout import ROOT_LOG, CellSums, SeedLayout, cell_sums
@@ -84,7 +84,7 @@ class Trainer:
         self.spec, self.settings, self.weights, self.device = spec, settings, weights, device
         self.mean_weights = None if weights is None else CellMeans(weights[None])
         self.raster = backend_of(device, spec.channels)
-        self.levels = levels_of(target, weights, max(phase.level for phase in phases) + 1)
+        self.levels = pyramid_levels(target, weights, max(phase.level for phase in phases) + 1)
         self.quality = quality_index(settings.lmbda) if settings.quality is None else settings.quality
         rng = np.random.default_rng(settings.seed)
         self.seeds = SeedSet(spec, layout, target, rng, device)
@@ -109,7 +109,7 @@ class Trainer:
     def _gradient_step(self) -> GradientStep:
         """That of the profile: of the paper's, which trains MLP_p, a GPU that draws computes all."""
         if self.networks is not None:
-            return FusedStep(self.spec, self.settings.seed, self.networks, self.raster, self.device)
+            return SeedStep(self.spec, self.settings.seed, self.networks, self.raster, self.device)
         _, height, width = self.levels[0].samples.shape
         if isinstance(self.raster, NativeRasterizer):
             return FeatureStep(self.spec, self.settings, self.raster, (width, height), self.device)

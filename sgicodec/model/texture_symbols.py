@@ -8,25 +8,22 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from sgicodec._native import CONTRAST_LIMIT, draw_texture
-from sgicodec._native import TEXTURE_ROOT_LOG as ROOT_LOG
+from sgicodec._native import TEXTURE_ROOT_LOG, draw_texture
 from sgicodec.device import ONE_THREAD, Device
 
 __all__ = [
-    "CONTRAST_LIMIT",
     "LAPPED",
     "MAX_SLOPE",
-    "ROOT_LOG",
     "SAME_COLOURS",
     "SAME_STEP",
-    "STEP_COUNT",
-    "STEP_ZERO",
+    "TEXTURE_STEP_COUNT",
+    "TEXTURE_STEP_ZERO",
     "TextureGrid",
-    "TextureSteps",
+    "TextureIndices",
     "TextureSymbols",
     "root_blocks",
     "roots_of",
-    "step_index",
+    "texture_step_index",
     "whole_roots",
 ]
 
@@ -61,7 +58,7 @@ LAPPED = TextureGrid()
 
 
 @dataclass(frozen=True)
-class TextureSteps:
+class TextureIndices:
     """What a symbol stands for, as indices of the stream.
 
     step: of the first channel's lowest frequency, 2^((step − 480) / 32); ratios: [C − 1] of the other channels' steps
@@ -83,7 +80,7 @@ class TextureSteps:
     def of_channels(self) -> F32:
         """Steps at the lowest frequency [C], samples in 0..1."""
         ratios = [1.0, *(2.0 ** ((ratio - 16) / 8) for ratio in self.ratios)]
-        return np.array([2.0 ** ((self.step - STEP_ZERO) / 32) * ratio for ratio in ratios], np.float32)
+        return np.array([2.0 ** ((self.step - TEXTURE_STEP_ZERO) / 32) * ratio for ratio in ratios], np.float32)
 
     @property
     def growth(self) -> tuple[float, float]:
@@ -95,21 +92,21 @@ class TextureSteps:
         return np.asarray(self.of_channels.item(0) * (1 + 0.5 * self.growth[0] * frequency**2))
 
 
-STEP_ZERO, STEP_COUNT = 480, 512
+TEXTURE_STEP_ZERO, TEXTURE_STEP_COUNT = 480, 512
 SAME_STEP = 16
 """Ratio of a channel with the steps of the first."""
 MAX_SLOPE = 31
 """That a stream can state."""
 
 
-def step_index(step: float) -> int:
+def texture_step_index(step: float) -> int:
     """Index of the step nearest to `step`, samples in 0..1."""
-    return int(np.clip(np.rint(32 * np.log2(step)) + STEP_ZERO, 0, STEP_COUNT - 1))
+    return int(np.clip(np.rint(32 * np.log2(step)) + TEXTURE_STEP_ZERO, 0, TEXTURE_STEP_COUNT - 1))
 
 
 def roots_of(width: int, height: int) -> tuple[int, int]:
     """Columns and rows of superblocks of a tile."""
-    side = 1 << ROOT_LOG
+    side = 1 << TEXTURE_ROOT_LOG
     return -(-width // side), -(-height // side)
 
 
@@ -117,7 +114,7 @@ def whole_roots(planes: NDArray[Any], beyond: Beyond) -> NDArray[Any]:
     """Planes [..., H, W] that fill whole superblocks [..., 32 rows, 32 columns]; beyond: the mode of np.pad."""
     *others, height, width = planes.shape
     columns, rows = roots_of(width, height)
-    margins = (0, (rows << ROOT_LOG) - height), (0, (columns << ROOT_LOG) - width)
+    margins = (0, (rows << TEXTURE_ROOT_LOG) - height), (0, (columns << TEXTURE_ROOT_LOG) - width)
     if margins == ((0, 0), (0, 0)):
         return planes
     return np.pad(planes, [(0, 0)] * len(others) + list(margins), mode=beyond)
@@ -125,8 +122,8 @@ def whole_roots(planes: NDArray[Any], beyond: Beyond) -> NDArray[Any]:
 
 def root_blocks(plane: NDArray[Any]) -> NDArray[Any]:
     """A plane [H, W] by its superblocks [rows, 32, columns, 32], which repeat its edges beyond it."""
-    whole, side = whole_roots(plane, "edge"), 1 << ROOT_LOG
-    return whole.reshape(len(whole) >> ROOT_LOG, side, whole.shape[1] >> ROOT_LOG, side)
+    whole, side = whole_roots(plane, "edge"), 1 << TEXTURE_ROOT_LOG
+    return whole.reshape(len(whole) >> TEXTURE_ROOT_LOG, side, whole.shape[1] >> TEXTURE_ROOT_LOG, side)
 
 
 @dataclass(frozen=True)
@@ -139,7 +136,7 @@ class TextureSymbols:
     """
 
     size: tuple[int, int]
-    steps: TextureSteps
+    steps: TextureIndices
     log_size: NDArray[np.uint8]
     contrast: NDArray[np.int8]
     symbols: NDArray[np.int16]

@@ -14,7 +14,7 @@ from sgicodec.model.texture_symbols import (
     LAPPED,
     SAME_COLOURS,
     TextureGrid,
-    TextureSteps,
+    TextureIndices,
     TextureSymbols,
     roots_of,
     whole_roots,
@@ -38,7 +38,7 @@ def superblock_planes(
 
 def colours_for(
     residual: F32,
-    steps: TextureSteps,
+    steps: TextureIndices,
     squared_steps: float,
     offsets: NDArray[np.int8] | None = None,
     device: Device = ALL_CORES,
@@ -59,7 +59,7 @@ class TextureSearch:
 
     residual [C, H, W]: the tile less what is rendered. split_margin: a block is tried whole, or
     divided, where an estimate says that it costs at most this many times what the other does. correction [C, H, W]:
-    what is shown anyhow. colours: of the layers (see `TextureSteps`). grid: theirs.
+    what is shown anyhow. colours: of the layers (see `TextureIndices`). grid: theirs.
     """
 
     def __init__(
@@ -87,7 +87,7 @@ class TextureSearch:
 
     def at(
         self,
-        steps: TextureSteps,
+        steps: TextureIndices,
         squared_steps: float,
         offsets: NDArray[np.int8] | None = None,
         blocks: TextureSymbols | None = None,
@@ -112,7 +112,7 @@ class TextureSearch:
     def move(
         self,
         gradient: F32,
-        steps: TextureSteps,
+        steps: TextureIndices,
         offsets: NDArray[np.int8] | None,
         mean: float,
         limit: float,
@@ -128,7 +128,7 @@ class TextureSearch:
         division = None if blocks is None else blocks.log_size
         self._amplitudes.move(planes, self._offsets(offsets), steps, mean, limit, division)
 
-    def estimate(self, steps: TextureSteps, squared_steps: float, offsets: NDArray[np.int8] | None) -> float:
+    def estimate(self, steps: TextureIndices, squared_steps: float, offsets: NDArray[np.int8] | None) -> float:
         """What the best layer costs about, error and bits together, in squared steps; the others: see `at`."""
         return self._amplitudes.estimate(self._offsets(offsets), steps, squared_steps)
 

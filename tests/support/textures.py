@@ -8,15 +8,9 @@ import numpy as np
 from symbols import SymbolReader, SymbolWriter, write_texture
 
 from sgicodec._native import TEXTURE_MIN_LOG as MIN_LOG
+from sgicodec._native import TEXTURE_ROOT_LOG
 from sgicodec.bitstream.parts.texture import layer_of
-from sgicodec.model.texture_symbols import (
-    LAPPED,
-    ROOT_LOG,
-    TextureGrid,
-    TextureSteps,
-    TextureSymbols,
-    roots_of,
-)
+from sgicodec.model.texture_symbols import LAPPED, TextureGrid, TextureIndices, TextureSymbols, roots_of
 
 
 def random_cells(width: int, height: int, seed: int, share: float) -> tuple[np.ndarray, np.ndarray]:
@@ -37,7 +31,7 @@ def random_cells(width: int, height: int, seed: int, share: float) -> tuple[np.n
 
     for y in range(0, height, 32):
         for x in range(0, width, 32):
-            add(x, y, ROOT_LOG)
+            add(x, y, TEXTURE_ROOT_LOG)
     found = np.array(cells).reshape(-1, 3)
     return found[:, :2].astype(np.int32), found[:, 2].astype(np.uint8)
 
@@ -68,7 +62,7 @@ def random_symbols(channels: int, width: int, height: int, seed: int = 0, most: 
     has_contrast = bool(rng.random() < 0.5)
     contrast = rng.integers(-15, 16, (rows, columns)) * has_contrast
     contrast *= log_size.reshape(rows, 4, columns, 4).any(axis=(1, 3))
-    steps = TextureSteps(
+    steps = TextureIndices(
         int(rng.integers(512)),
         tuple(rng.integers(0, 32, channels - 1).tolist()),
         (int(rng.integers(32)), int(rng.integers(32))),

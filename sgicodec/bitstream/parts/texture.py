@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from sgicodec.model.texture_symbols import TextureGrid, TextureSteps, TextureSymbols
+from sgicodec.model.texture_symbols import TextureGrid, TextureIndices, TextureSymbols
 
 __all__ = ["layer_of"]
 
@@ -18,5 +18,5 @@ def layer_of(read: Read | None, size: tuple[int, int]) -> TextureSymbols | None:
     if read is None:
         return None
     (step, ratios, slopes, excess, has_contrast, colours, grid), log_size, contrast, symbols = read
-    steps = TextureSteps(step, tuple(ratios), slopes, excess, has_contrast, colours)
+    steps = TextureIndices(step, tuple(ratios), slopes, excess, has_contrast, colours)
     return TextureSymbols(size, steps, log_size, contrast, symbols, TextureGrid(*grid))

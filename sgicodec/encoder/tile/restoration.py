@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from sgicodec.device import Device
 from sgicodec.model.restoration import Restoration
-from sgicodec.model.texture_symbols import STEP_COUNT, TextureSymbols
+from sgicodec.model.texture_symbols import TEXTURE_STEP_COUNT, TextureSymbols
 from sgicodec.rdoq.texture import TextureSearch
 
 __all__ = ["Restorer", "Strength", "rendered_over"]
@@ -35,7 +35,7 @@ class Strength:
 
     def over(self, texture: TextureSymbols) -> Restoration:
         """Restoration of what is rendered with a layer."""
-        step = min(max(texture.steps.step + self.offset, 0), STEP_COUNT - 1)
+        step = min(max(texture.steps.step + self.offset, 0), TEXTURE_STEP_COUNT - 1)
         return Restoration(self.network, step)
 
 

@@ -10,9 +10,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from sgicodec._native import TEXTURE_ROOT_LOG
 from sgicodec.fit.pyramid import pyramid
 from sgicodec.model.layout import SeedLayout
-from sgicodec.model.texture_symbols import ROOT_LOG, roots_of
+from sgicodec.model.texture_symbols import roots_of
 
 __all__ = ["MIN_WEIGHT", "part_of_steps", "seed_weights", "smoothed"]
 
@@ -50,7 +51,7 @@ def part_of_steps(steps: int, usual: int, layout: SeedLayout, weights: F32) -> f
     height, width = weights.shape
     x, y = (np.minimum(layout.corner[:, axis] + layout.cell / 2, side - 1) for axis, side in ((0, width), (1, height)))
     seeds = float(weights[y.astype(np.intp), x.astype(np.intp)].sum())
-    part = float(min(max(seeds * (1 << 2 * ROOT_LOG) / (width * height), MIN_STEPS), 1.0))
+    part = float(min(max(seeds * (1 << 2 * TEXTURE_ROOT_LOG) / (width * height), MIN_STEPS), 1.0))
     more = (float(weights.mean()) - NO_MORE_STEPS) / (ALL_STEPS - NO_MORE_STEPS)
     few = min(steps, usual)
     return part * (few + min(max(more, 0.0), 1.0) * (steps - few)) / steps
@@ -100,7 +101,7 @@ def smoothed(plane: F64, sigma: float) -> F64:
 
 def _of_pixels(weights: F64, shape: tuple[int, ...]) -> F32:
     """Superblocks' weights for each pixel [H, W], linear between their centres."""
-    side = 1 << ROOT_LOG
+    side = 1 << TEXTURE_ROOT_LOG
     for axis in (0, 1):
         at = np.clip((np.arange(shape[axis]) + 0.5) / side - 0.5, 0, weights.shape[axis] - 1)
         low = np.minimum(at.astype(np.int64), max(weights.shape[axis] - 2, 0))
@@ -110,7 +111,7 @@ def _of_pixels(weights: F64, shape: tuple[int, ...]) -> F32:
     return np.ascontiguousarray(weights, np.float32)
 
 
-_HALF_BLOCK, _WINDOW = 1 << (ROOT_LOG - 1), 4
+_HALF_BLOCK, _WINDOW = 1 << (TEXTURE_ROOT_LOG - 1), 4
 """Sides of a superblock and of a window of the structure tensor, at half the size."""
 _NEAR, _BLEND = 0.7, 0.5
 """σ in superblocks: the tensor is smoothed with the first, the weights' logarithms with the second."""

@@ -23,7 +23,7 @@ from sgicodec.metrics.masking_weights import masking_weights
 from sgicodec.metrics.psnr import luma
 from sgicodec.model.colours import to_channels
 from sgicodec.model.spec import ModelSpec
-from sgicodec.model.texture_symbols import LAPPED, TextureGrid, TextureSteps, TextureSymbols
+from sgicodec.model.texture_symbols import LAPPED, TextureGrid, TextureIndices, TextureSymbols
 from sgicodec.picture import Picture
 from sgicodec.profiles.fit_settings import FitSettings
 from sgicodec.rdoq import Objective
@@ -275,7 +275,7 @@ class TileState(Prepared):
         """λ of texture in squared steps."""
         return self.tile.tuning.price(self.tile.texture_lmbda)
 
-    def _steps(self, lowest: int) -> TextureSteps:
+    def _steps(self, lowest: int) -> TextureIndices:
         return self.tile.tuning.steps(lowest, self.tile.spec.channels)
 
     def best_layer(

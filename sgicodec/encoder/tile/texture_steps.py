@@ -16,21 +16,20 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from sgicodec._native import CONTRAST_LIMIT, TEXTURE_ROOT_LOG
 from sgicodec.device import ONE_THREAD, Device
 from sgicodec.metrics.local_variance import local_variance
 from sgicodec.metrics.regular_pattern import BLOCK, RegularPatterns, regular_patterns
 from sgicodec.model.texture_symbols import (
-    CONTRAST_LIMIT,
     LAPPED,
     MAX_SLOPE,
-    ROOT_LOG,
     SAME_STEP,
-    STEP_COUNT,
-    STEP_ZERO,
+    TEXTURE_STEP_COUNT,
+    TEXTURE_STEP_ZERO,
     TextureGrid,
-    TextureSteps,
+    TextureIndices,
     root_blocks,
-    step_index,
+    texture_step_index,
 )
 
 __all__ = ["TUNINGS", "Masking", "TextureTuning"]
@@ -54,7 +53,7 @@ class TextureTuning:
     finer: int = 0
     """32nds of an octave by which the lowest frequency has a smaller step than λ says."""
     growth: tuple[float, float] = (0.0, 0.0)
-    """Slopes of the first channel and of the others (see `TextureSteps`) where the lowest step is a grey level; they
+    """Slopes of the first channel and of the others (see `TextureIndices`) where the lowest step is a grey level; they
     grow with its square root, as far as a stream can say."""
     colours: float = 1.0
     """Steps of colour differences grow with this power of the first channel's."""
@@ -63,21 +62,21 @@ class TextureTuning:
 
     def step(self, lmbda: float) -> int:
         """Index of the step for λ."""
-        return max(0, step_index(float((lmbda / _SQUARED_STEPS) ** 0.5)) - self.finer)
+        return max(0, texture_step_index(float((lmbda / _SQUARED_STEPS) ** 0.5)) - self.finer)
 
     def price(self, lmbda: float) -> float:
         """λ in squared steps of `step(lmbda)`: what rounding takes from the step, it gives to the price of bits."""
-        nominal = 2.0 ** ((self.step(lmbda) + self.finer - STEP_ZERO) / 32)
+        nominal = 2.0 ** ((self.step(lmbda) + self.finer - TEXTURE_STEP_ZERO) / 32)
         return float(self.squared_steps * lmbda / (_SQUARED_STEPS * nominal**2))
 
-    def steps(self, step: int, channels: int) -> TextureSteps:
+    def steps(self, step: int, channels: int) -> TextureIndices:
         """Steps of all channels, of which the lowest is of this index."""
-        step = min(max(step, 0), STEP_COUNT - 1)
+        step = min(max(step, 0), TEXTURE_STEP_COUNT - 1)
         colour = SAME_STEP + round((1.0 - self.colours) * (_EQUAL_STEPS - step) / 4)
         ratios = (colour,) * 2 + (SAME_STEP,) * (channels - 3) if channels >= 3 else (SAME_STEP,) * (channels - 1)
-        root = min((255.0 * TextureSteps(step).of_channels.item()) ** 0.5, _MAX_ROOT)
+        root = min((255.0 * TextureIndices(step).of_channels.item()) ** 0.5, _MAX_ROOT)
         luma, chroma = (min(round(2 * growth * root), MAX_SLOPE) for growth in self.growth)
-        return TextureSteps(step, ratios, (luma, chroma), has_contrast=self.masking > 0)
+        return TextureIndices(step, ratios, (luma, chroma), has_contrast=self.masking > 0)
 
 
 _SQUARED_STEPS = 0.085
@@ -134,7 +133,7 @@ class Masking:
     ) -> None:
         self._power, self._device, self._plane, self._grids = tuning.masking, device, luma, grids
 
-    def offsets(self, steps: TextureSteps, grid: TextureGrid = LAPPED) -> Offsets | None:
+    def offsets(self, steps: TextureIndices, grid: TextureGrid = LAPPED) -> Offsets | None:
         """Step offsets [rows, columns] for these steps on one of the grids, None where they play no part."""
         if not self._power:
             return None
@@ -157,7 +156,7 @@ class Masking:
         return masked, RegularPatterns(*(_by_superblock(part, masked.shape) for part in blocks))
 
 
-def _finer(patterns: RegularPatterns, steps: TextureSteps, masked: Offsets) -> F64:
+def _finer(patterns: RegularPatterns, steps: TextureIndices, masked: Offsets) -> F64:
     """Octaves [rows, columns] by which the steps of these offsets are too coarse for patterns."""
     step = steps.at_frequency(patterns.frequency) * 2.0 ** (masked[..., None] / 4)
     deviation = np.maximum(patterns.deviation / 255.0, _MIN_DEVIATION)
@@ -174,6 +173,6 @@ def _indices(quarters: NDArray[np.floating] | Offsets) -> Offsets:
 def _by_superblock(blocks: F64, shape: tuple[int, ...]) -> F64:
     """Values of blocks [rows of blocks, columns of blocks] by superblock [rows, columns, 16], 0 beyond the picture."""
     rows, columns = shape
-    side = (1 << ROOT_LOG) // BLOCK
+    side = (1 << TEXTURE_ROOT_LOG) // BLOCK
     whole = np.pad(blocks, [(0, count * side - length) for count, length in zip(shape, blocks.shape, strict=True)])
     return whole.reshape(rows, side, columns, side).transpose(0, 2, 1, 3).reshape(rows, columns, side * side)

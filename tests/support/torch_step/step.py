@@ -1,4 +1,4 @@
-"""A step of any model by automatic differentiation in torch: the paper profile's, and what the fused step lacks."""
+"""A step of any model by automatic differentiation in torch: the paper profile's, and what the native step lacks."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from sgicodec.fit.context_weights import float_weights
 from sgicodec.fit.feature_step import MIN_SAMPLED
 from sgicodec.fit.noise import NoiseKey, hashed_noise
 from sgicodec.fit.parameters import Parameters, StepResult
-from sgicodec.fit.pyramid import Level
+from sgicodec.fit.pyramid import PyramidLevel
 from sgicodec.fit.seed_set import coded_values
 from sgicodec.fit.weight_bits import with_weight_noise
 from sgicodec.model.gaussians import decoder_parts, gaussians_from_seeds
@@ -50,12 +50,16 @@ class AutogradStep:
         self.proxy.set_layout(layout, quality, *self.size)
         self._centre, self._cell = torch.from_numpy(layout.centre), torch.from_numpy(layout.cell)
 
-    def run(self, parameters: Parameters, rounding: Rounding, number: int, level: Level, lmbda: float) -> StepResult:
+    def run(
+        self, parameters: Parameters, rounding: Rounding, number: int, level: PyramidLevel, lmbda: float
+    ) -> StepResult:
         """As `GradientStep.run`."""
         with _one_thread():
             return self._run(parameters, rounding, NoiseKey.of(self.settings.seed, number), level, lmbda)
 
-    def _run(self, parameters: Parameters, rounding: Rounding, key: NoiseKey, level: Level, lmbda: float) -> StepResult:
+    def _run(
+        self, parameters: Parameters, rounding: Rounding, key: NoiseKey, level: PyramidLevel, lmbda: float
+    ) -> StepResult:
         net = ContextNet(self.spec, parameters.context or float_weights(self.networks))
         own = {name: a for name, a in parameters.trained().items() if name not in net.leaves}
         leaves = {name: torch.from_numpy(array).requires_grad_() for name, array in own.items()} | net.leaves
@@ -91,7 +95,7 @@ class AutogradStep:
     def _loss(
         self,
         gaussians: tuple[Tensor, Tensor, Tensor],
-        level: Level,
+        level: PyramidLevel,
         sample: Sample,
         side: Tensor,
         lmbda: float,

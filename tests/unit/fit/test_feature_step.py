@@ -14,7 +14,7 @@ from sgicodec.fit.context_weights import ContextWeights
 from sgicodec.fit.device_feature_step import DeviceFeatureStep
 from sgicodec.fit.feature_step import FeatureStep
 from sgicodec.fit.parameters import Parameters, StepResult
-from sgicodec.fit.pyramid import levels_of
+from sgicodec.fit.pyramid import pyramid_levels
 from sgicodec.fit.seed_set import SeedSet
 from sgicodec.fit.step_sizes import flat_steps
 from sgicodec.fit.trainer import Trainer
@@ -50,7 +50,7 @@ class Problem:
         self.spec, self.settings = spec, settings or paper_settings(LMBDA, 3, 500)
         self.layout = uniform_layout(WIDTH, HEIGHT, seeds, rng)
         target = rng.random((spec.channels, HEIGHT, WIDTH)).astype(np.float32)
-        self.levels = levels_of(target, None, 2)
+        self.levels = pyramid_levels(target, None, 2)
         held = SeedSet(spec, self.layout, target, rng, ONE_THREAD)
         held.values["feature"] += rng.normal(0, 1.5, (seeds, spec.features)).astype(np.float32)
         held.values["scales"] += rng.normal(-0.5, 0.5, (seeds, 4)).astype(np.float32)

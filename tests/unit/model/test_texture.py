@@ -7,14 +7,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from sgicodec.model.texture_symbols import TextureSteps, TextureSymbols
+from sgicodec.model.texture_symbols import TextureIndices, TextureSymbols
 
 
 def _layer(log_size: np.ndarray) -> TextureSymbols:
     """Of 72×40 pixels, with random symbols in cells of these sizes [2, 3], one to a superblock."""
     sizes = np.kron(log_size, np.ones((4, 4), int)).astype(np.uint8)
     symbols = np.random.default_rng(4).integers(-9, 10, (1, 64, 96)).astype(np.int16)
-    return TextureSymbols((72, 40), TextureSteps(400), sizes, np.zeros((2, 3), np.int8), symbols)
+    return TextureSymbols((72, 40), TextureIndices(400), sizes, np.zeros((2, 3), np.int8), symbols)
 
 
 def test_other_cells_are_refused() -> None:

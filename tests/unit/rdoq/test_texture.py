@@ -19,7 +19,7 @@ from sgicodec.model.texture_symbols import (
     SAME_COLOURS,
     SAME_STEP,
     TextureGrid,
-    TextureSteps,
+    TextureIndices,
     TextureSymbols,
     roots_of,
 )
@@ -55,9 +55,9 @@ def squared_error(residual: np.ndarray, layer: TextureSymbols) -> float:
 def test_fine_steps_show_all_up_to_the_edges(residual: np.ndarray, width: int, height: int, grid: TextureGrid) -> None:
     """Wherever a tile ends: in the middle of a root, of a cell, or where cells of 8 pixels end."""
     part = np.ascontiguousarray(residual[:, :height, :width])
-    layer = TextureSearch(part, grid=grid).at(TextureSteps(140, SAME), 1e-3, None)
+    layer = TextureSearch(part, grid=grid).at(TextureIndices(140, SAME), 1e-3, None)
     error = np.abs(part - layer.draw())
-    assert error.max() < 1.5 * TextureSteps(140, SAME).of_channels.max()
+    assert error.max() < 1.5 * TextureIndices(140, SAME).of_channels.max()
 
 
 @pytest.mark.parametrize("has_contrast", [False, True])
@@ -68,7 +68,7 @@ def test_symbols_are_counted_by_magnitude(
     contrast = np.zeros((3, 5), np.int8)
     if has_contrast:
         contrast[:] = np.random.default_rng(0).integers(-3, 4, contrast.shape)
-    steps = TextureSteps(340, SAME, (0, 0), (8, 8, 8), has_contrast, colours=colours)
+    steps = TextureIndices(340, SAME, (0, 0), (8, 8, 8), has_contrast, colours=colours)
     search = TextureSearch(residual, colours=colours)
     parts, counts, _ = search._amplitudes.search(contrast, steps, PRICE, search.split_margin, None)
     layer = TextureSymbols((160, 96), steps, *parts)
@@ -81,7 +81,7 @@ def test_what_is_found_pays(residual: np.ndarray) -> None:
     search, nothing = TextureSearch(residual), float((residual.astype(np.float64) ** 2).sum())
     errors, sizes = [nothing], [0]
     for step in (400, 350, 300, 250):
-        layer = search.at(TextureSteps(step, SAME), PRICE)
+        layer = search.at(TextureIndices(step, SAME), PRICE)
         assert layer is not None
         payload, bits = payload_of(layer)
         error, lmbda = squared_error(residual, layer), PRICE * layer.steps.of_channels[0] ** 2
@@ -111,7 +111,7 @@ def test_what_is_found_can_always_be_written(
     grid = TextureGrid(True, *rng.integers(0, 8, 2).tolist()) if seed % 3 == 0 else LAPPED
     columns, rows = roots_of(*grid.layer_size((width, height)))
     contrast = rng.integers(-15, 16, (rows, columns)).astype(np.int8)
-    steps = TextureSteps(step, (SAME_STEP,) * (channels - 1), slopes, (8, 8, 8), bool(seed % 2))
+    steps = TextureIndices(step, (SAME_STEP,) * (channels - 1), slopes, (8, 8, 8), bool(seed % 2))
     layer = TextureSearch(planes.astype(np.float32), grid=grid).at(steps, PRICE, contrast)
     if layer is None:
         return
@@ -126,7 +126,7 @@ def test_an_estimate_says_which_cells_cost_less(residual: np.ndarray) -> None:
     """Blocks of one frequency cost less in separate cells on their grid than beside it, or in ones that lap over."""
     wave = np.cos(np.pi * 3 * (np.arange(8) + 0.5) / 8)
     planes = np.kron(residual[:, ::8, ::8], np.outer(wave, wave)).astype(np.float32)
-    steps, grids = TextureSteps(300, SAME), [LAPPED, TextureGrid(True, 0, 0), TextureGrid(True, 4, 4)]
+    steps, grids = TextureIndices(300, SAME), [LAPPED, TextureGrid(True, 0, 0), TextureGrid(True, 4, 4)]
     searches = [TextureSearch(planes, grid=grid) for grid in grids]
     lapped, here, beside = (search.estimate(steps, PRICE, None) for search in searches)
     assert here < 0.5 * min(lapped, beside)
@@ -139,7 +139,7 @@ def test_an_estimate_says_which_cells_cost_less(residual: np.ndarray) -> None:
 def test_amplitudes_move_up_a_gradient_by_a_part_of_their_steps(
     residual: np.ndarray, colours: tuple[int, int, int]
 ) -> None:
-    steps, fine = TextureSteps(400, SAME, (2, 4)), TextureSteps(200, SAME)
+    steps, fine = TextureIndices(400, SAME, (2, 4)), TextureIndices(200, SAME)
     gradient = np.random.default_rng(0).normal(size=residual.shape).astype(np.float32)
     mean, most = 0.05, 0.2
 
@@ -161,7 +161,7 @@ def test_amplitudes_move_up_a_gradient_by_a_part_of_their_steps(
 
 def test_amplitudes_of_given_blocks_alone_move(residual: np.ndarray) -> None:
     """Those that blocks of other sizes would have at their places stay."""
-    steps = TextureSteps(380, SAME)
+    steps = TextureIndices(380, SAME)
     gradient = np.random.default_rng(0).normal(size=residual.shape).astype(np.float32)
     search, still, all_move = TextureSearch(residual), TextureSearch(residual), TextureSearch(residual)
     blocks = search.at(steps, PRICE)
@@ -170,7 +170,7 @@ def test_amplitudes_of_given_blocks_alone_move(residual: np.ndarray) -> None:
     all_move.move(gradient, steps, None, 0.05, 0.2)
     for log in (3, 4, 5):
         of_size = replace(blocks, log_size=np.full_like(blocks.log_size, log))
-        finest = (one.at(TextureSteps(60, SAME), 0.0, blocks=of_size) for one in (still, search, all_move))
+        finest = (one.at(TextureIndices(60, SAME), 0.0, blocks=of_size) for one in (still, search, all_move))
         before, after, every = (layer.symbols.astype(np.float64) for layer in finest if layer is not None)
         here = np.repeat(np.repeat(blocks.log_size == log, 8, axis=0), 8, axis=1)
         assert np.array_equal(after[:, ~here], before[:, ~here])
@@ -180,7 +180,7 @@ def test_amplitudes_of_given_blocks_alone_move(residual: np.ndarray) -> None:
 
 
 def test_given_cells_are_taken_but_for_those_without_symbols(residual: np.ndarray) -> None:
-    search, steps = TextureSearch(residual), TextureSteps(340, SAME)
+    search, steps = TextureSearch(residual), TextureIndices(340, SAME)
     best = search.at(steps, PRICE)
     assert best is not None
     again = search.at(steps, PRICE, blocks=best)
@@ -189,7 +189,7 @@ def test_given_cells_are_taken_but_for_those_without_symbols(residual: np.ndarra
     costs = [squared_error(residual, layer) / steps.of_channels[0] ** 2 for layer in (best, again)]
     assert costs[1] + PRICE * bits[1] == pytest.approx(costs[0] + PRICE * bits[0], rel=0.01)
 
-    coarse = search.at(TextureSteps(420, SAME), PRICE, blocks=best)
+    coarse = search.at(TextureIndices(420, SAME), PRICE, blocks=best)
     left = coarse.log_size > 0
     assert 0 < left.sum() < (best.log_size > 0).sum()
     assert np.array_equal(coarse.log_size[left], best.log_size[left])
@@ -198,7 +198,7 @@ def test_given_cells_are_taken_but_for_those_without_symbols(residual: np.ndarra
 
 @pytest.mark.parametrize("wrong", ["shape", "size", "tree"])
 def test_cells_that_are_no_layer_of_the_tile(residual: np.ndarray, wrong: str) -> None:
-    search, steps = TextureSearch(residual), TextureSteps(340, SAME)
+    search, steps = TextureSearch(residual), TextureIndices(340, SAME)
     cells = search.at(steps, PRICE)
     assert cells is not None
     log_size = {"shape": np.zeros((4, 4)), "size": np.full((12, 20), 2), "tree": np.eye(12, 20) * 5}[wrong]

@@ -21,7 +21,7 @@ from textures import assert_same, payload_of, random_symbols, read_back, read_te
 from sgicodec import read
 from sgicodec.device import ONE_THREAD
 from sgicodec.errors import CorruptStreamError
-from sgicodec.model.texture_symbols import SAME_COLOURS, TextureGrid, TextureSteps, TextureSymbols
+from sgicodec.model.texture_symbols import SAME_COLOURS, TextureGrid, TextureIndices, TextureSymbols
 from sgicodec.rdoq.texture import TextureSearch
 
 MOST = 16390
@@ -45,7 +45,7 @@ def read_from_the_page(payload: bytes, size: tuple[int, int], channels: int) -> 
             symbols[channel, y : y + side, x : x + side] = reader.symbols[channel, leaf]
     read = reader.steps
     (luma, chroma), (one, two, more) = read["slopes"], read["excess"]
-    steps = TextureSteps(
+    steps = TextureIndices(
         read["step"][0],
         tuple(read["ratios"]),
         (luma, chroma),
@@ -87,7 +87,7 @@ def found() -> TextureSymbols:
     pixels = read(ROOT / "tests" / "data" / "kodim13.png").pixels[300:377, 100:245].astype(np.float32) / 255
     planes = np.ascontiguousarray(pixels.transpose(2, 0, 1))
     search = TextureSearch(planes - planes.mean(axis=(1, 2), keepdims=True), ONE_THREAD)
-    layer = search.at(TextureSteps(350, (18, 18), (2, 3)), 0.11)
+    layer = search.at(TextureIndices(350, (18, 18), (2, 3)), 0.11)
     assert (layer.symbols != 0).sum() > 1000
     return layer
 
@@ -151,7 +151,7 @@ def test_layers_that_no_reader_would_find_are_not_written(changes: list[tuple[st
     log_size, symbols = np.zeros((8, 8), np.uint8), np.zeros((2, 64, 64), np.int16)
     log_size[:2, :2], log_size[:4, 4:] = 4, 5
     symbols[0, 3, 2], symbols[1, 0, 40] = 5, -1
-    layer = TextureSymbols((64, 40), TextureSteps(300, (16,)), log_size, np.zeros((2, 2), np.int8), symbols)
+    layer = TextureSymbols((64, 40), TextureIndices(300, (16,)), log_size, np.zeros((2, 2), np.int8), symbols)
     assert_same(read_back(payload_of(layer, layer.size, 2), layer.size, 2), layer)
     for field, place, value in changes:
         getattr(layer, field)[place] = value

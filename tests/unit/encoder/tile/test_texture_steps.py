@@ -11,11 +11,12 @@ from data_files import crop
 from numpy.typing import NDArray
 
 from sgicodec import EncodeSettings, Picture, decode, encode_picture
+from sgicodec._native import CONTRAST_LIMIT
 from sgicodec.encoder.plan import Shape, stream_plan
 from sgicodec.encoder.tile.texture_steps import TUNINGS, Masking, TextureTuning
 from sgicodec.metrics.perceptual import ssimulacra2
 from sgicodec.metrics.psnr import luma
-from sgicodec.model.texture_symbols import CONTRAST_LIMIT, STEP_COUNT, TextureSteps
+from sgicodec.model.texture_symbols import TEXTURE_STEP_COUNT, TextureIndices
 from sgicodec.picture import to_unit
 
 
@@ -38,19 +39,19 @@ def test_what_rounding_takes_from_steps_the_price_gives_back(tuning: TextureTuni
 
 
 @pytest.mark.parametrize("channels", [1, 2, 3, 4, 7])
-@pytest.mark.parametrize("step", [-5, 0, 300, STEP_COUNT + 9])
+@pytest.mark.parametrize("step", [-5, 0, 300, TEXTURE_STEP_COUNT + 9])
 def test_steps_fit_their_fields(channels: int, step: int) -> None:
     for tuning in TUNINGS.values():
         steps = tuning.steps(step, channels)
         assert len(steps.ratios) == channels - 1
-        assert 0 <= steps.step < STEP_COUNT
+        assert 0 <= steps.step < TEXTURE_STEP_COUNT
         assert all(0 <= slope < 32 for slope in steps.slopes)
 
 
 def test_squared_error_has_equal_steps() -> None:
     """In all superblocks."""
     assert TUNINGS["psnr"].steps(300, 3).slopes == (0, 0)
-    assert Masking(TUNINGS["psnr"], None).offsets(TextureSteps(300)) is None
+    assert Masking(TUNINGS["psnr"], None).offsets(TextureIndices(300)) is None
 
 
 def test_a_score_is_met(rocks: Picture, monkeypatch: pytest.MonkeyPatch) -> None:

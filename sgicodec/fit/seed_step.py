@@ -12,7 +12,7 @@ from sgicodec.device import Device
 from sgicodec.fit.context_weights import float_weights
 from sgicodec.fit.noise import NoiseKey
 from sgicodec.fit.parameters import Parameters, StepResult
-from sgicodec.fit.pyramid import Level
+from sgicodec.fit.pyramid import PyramidLevel
 from sgicodec.model.context import neighbour_table
 from sgicodec.model.gaussians import MIN_VARIANCE, empty_gaussians
 from sgicodec.model.layout import SeedLayout
@@ -21,7 +21,7 @@ from sgicodec.model.spec import ModelSpec
 from sgicodec.profiles.fit_settings import Rounding
 from sgicodec.raster.backend import Backend
 
-__all__ = ["REFRESH", "ROUNDINGS", "FusedStep"]
+__all__ = ["REFRESH", "ROUNDINGS", "SeedStep"]
 
 F32 = NDArray[np.float32]
 
@@ -33,7 +33,7 @@ REFRESH = 8
 """How many steps stand what neighbours tell and what MLP_p predicts (docs/notes/2026-11-fit-settings.md)."""
 
 
-class FusedStep:
+class SeedStep:
     """A `GradientStep` for squared error and Laplacian bits of the default profile, with any C and width of MLP_p.
 
     networks: MLP_p of each coding stage, which does not train. Noise is a hash of (its key, column, seed), so that a
@@ -56,7 +56,9 @@ class FusedStep:
         self.count = len(layout)
         self.age = 0
 
-    def run(self, parameters: Parameters, rounding: Rounding, number: int, level: Level, lmbda: float) -> StepResult:
+    def run(
+        self, parameters: Parameters, rounding: Rounding, number: int, level: PyramidLevel, lmbda: float
+    ) -> StepResult:
         """As `GradientStep.run`."""
         colour, shape, offset = (parameters.seeds.values[name] for name in _GROUPS)
         noise, steps = NoiseKey.of(self.seed, number), parameters.steps
@@ -70,7 +72,7 @@ class FusedStep:
         gradients = {"colour": d_colour, "shape": d_shape, "offset": d_offset}
         return StepResult(error, bits, gradients if rounding == "none" else gradients | {"steps": d_steps})
 
-    def _draw(self, gaussians: tuple[F32, F32, F32], level: Level) -> tuple[float, tuple[F32, F32, F32]]:
+    def _draw(self, gaussians: tuple[F32, F32, F32], level: PyramidLevel) -> tuple[float, tuple[F32, F32, F32]]:
         """Squared error without weights, and the gradients of that with weights in the Gaussians at full size."""
         (means, covariances, colours), scale = gaussians, level.scale
         if scale != 1.0:

@@ -1,4 +1,4 @@
-"""The fused step against the same model under automatic differentiation, on every instruction set."""
+"""The native step against the same model under automatic differentiation, on every instruction set."""
 
 import math
 from typing import Any
@@ -12,10 +12,10 @@ from torch import Tensor
 
 from sgicodec._native import DEAD_ZONE, DEAD_ZONE_LIMIT
 from sgicodec.device import Device
-from sgicodec.fit.fused_step import FusedStep
 from sgicodec.fit.noise import NoiseKey, hashed_noise
 from sgicodec.fit.parameters import StepResult
-from sgicodec.fit.pyramid import Level
+from sgicodec.fit.pyramid import PyramidLevel
+from sgicodec.fit.seed_step import SeedStep
 from sgicodec.model.gaussians import gaussians_from_seeds
 from sgicodec.model.spec import ModelSpec
 from sgicodec.profiles.default import default_spec
@@ -89,20 +89,20 @@ class Problem:
                 return
         raise AssertionError("some decisions stay open")
 
-    def fused(self, isa: str = "auto", threads: int = 1) -> FusedStep:
+    def fused(self, isa: str = "auto", threads: int = 1) -> SeedStep:
         device = Device(threads, isa)
-        step = FusedStep(self.spec, SEED, self.networks, NativeRasterizer(device), device)
+        step = SeedStep(self.spec, SEED, self.networks, NativeRasterizer(device), device)
         step.set_layout(self.layout, QUALITY)
         return step
 
-    def fused_step(self, rounding: Rounding, level: int, isa: str = "auto", weighted: bool = False) -> StepResult:
+    def native_step(self, rounding: Rounding, level: int, isa: str = "auto", weighted: bool = False) -> StepResult:
         return self.fused(isa).run(*self.step_at(rounding, level, weighted))
 
     def step_at(self, rounding: Rounding, level: int, weighted: bool = False) -> tuple[Any, ...]:
         """What a step is given."""
         samples = np.ascontiguousarray(self.target[:, :: 2**level, :: 2**level])
         weights = np.random.default_rng(9).uniform(0.2, 3.0, samples.shape[1:]).astype(np.float32)
-        at = Level(samples, 0.5**level, weights if weighted else None)
+        at = PyramidLevel(samples, 0.5**level, weights if weighted else None)
         return self.parameters, rounding, 0, at, LMBDA if rounding != "none" else 0.0
 
 
@@ -123,13 +123,13 @@ def test_it_is_the_quantisation_proxy_and_autograd(spec: ModelSpec, rounding: Ro
     problem = Problem(spec)
     if rounding == "round":
         problem.decide()
-    assert_close(problem.fused_step(rounding, 0, isa), problem.autograd_step(rounding, 0, isa))
+    assert_close(problem.native_step(rounding, 0, isa), problem.autograd_step(rounding, 0, isa))
 
 
 @pytest.mark.parametrize("rounding", ["none", "noise"])
 def test_a_smaller_picture(rounding: Rounding) -> None:
     problem = Problem(default_spec(3))
-    assert_close(problem.fused_step(rounding, 1), problem.autograd_step(rounding, 1))
+    assert_close(problem.native_step(rounding, 1), problem.autograd_step(rounding, 1))
 
 
 @pytest.mark.parametrize("isa", ISAS)
@@ -174,8 +174,8 @@ def test_threads_change_no_bit() -> None:
 def test_weights_are_those_of_automatic_differentiation(level: int, isa: str) -> None:
     """Gradients are of the weighted error, the error is plain. Without noise, so that both draw the same."""
     problem = Problem(SPECS["default"])
-    found, expected = problem.fused_step("none", level, isa, True), problem.autograd_step("none", level, isa, True)
-    plain = problem.fused_step("none", level, isa)
+    found, expected = problem.native_step("none", level, isa, True), problem.autograd_step("none", level, isa, True)
+    plain = problem.native_step("none", level, isa)
     assert found.error == pytest.approx(expected.error, rel=2e-5)
     assert found.error == pytest.approx(plain.error, rel=1e-6)
     for name in ("colour", "shape", "offset"):
