@@ -10,7 +10,6 @@ from typing import Any
 __all__ = [
     "BatchError",
     "CorruptStreamError",
-    "EncodeInterruptedError",
     "LimitError",
     "MissingExtraError",
     "NoDeviceError",
@@ -127,12 +126,6 @@ class BatchError(SgiError):
 
 class ReportError(SgiError):
     """The report cannot be written, as stdout is full (exit 1). The work is kept."""
-
-
-class EncodeInterruptedError(SgiError):
-    """An encode that Ctrl-C stopped and that --resume goes on with (exit 130)."""
-
-    exit_code = 130
 
 
 class OutputExistsError(SgiError):

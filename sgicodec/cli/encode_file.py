@@ -15,7 +15,7 @@ from sgicodec.cli.paths import STANDARD, display, given, is_written_directly, wr
 from sgicodec.cli.report import Report, print_report
 from sgicodec.cuda.choice import device_of
 from sgicodec.encoder.tiles.checkpoint import Checkpoint
-from sgicodec.errors import EncodeInterruptedError, TargetMissedError, UsageError
+from sgicodec.errors import TargetMissedError, UsageError
 from sgicodec.executors.executor import MIB
 from sgicodec.executors.peak import own_peak
 from sgicodec.executors.processes import ProcessExecutor
@@ -109,7 +109,7 @@ def encode_file(origin: str, target: str, options: EncodeOptions, started: float
                 raise
             done = len({version.tile for version in checkpoint.tiles})
             text = f"{done} of {listener.tiles} tiles are in {display(target)}.part"
-            raise EncodeInterruptedError(f"interrupted; {text}, --resume goes on") from None
+            raise KeyboardInterrupt(f"interrupted; {text}, --resume goes on") from None
     if not files.quiet or files.as_json:
         report = Report(listener.plan, encoded, source.rounding, options.device_name)
         seconds, own = time.monotonic() - started, own_peak()

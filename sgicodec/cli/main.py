@@ -58,8 +58,8 @@ class Cli(click.Group):
             status = _complain(f"{error.format_message().rstrip('.')}; see {command} --help", _USAGE)
         except SgiError as error:
             status = _complain(str(error), error.exit_code)
-        except click.Abort:
-            status = _complain("interrupted", _INTERRUPTED)
+        except click.Abort as error:  # made of a KeyboardInterrupt
+            status = _complain(str(error.__cause__) or "interrupted", _INTERRUPTED)
         sys.exit(status if isinstance(status, int) else 0)
 
     def list_commands(self, ctx: click.Context) -> list[str]:

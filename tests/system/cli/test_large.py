@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -61,8 +62,9 @@ def test_an_overview_on_request(picture: Path, tmp_path: Path) -> None:
     assert (read(shown).pixels != read(exact).pixels).any()
 
 
+@pytest.mark.parametrize("are_many", [False, True])
 def test_interrupt_keeps_what_is_done(
-    picture: Path, tiled: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    picture: Path, tiled: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, are_many: bool
 ) -> None:
     fit, fitted = tasks.encode, []
 
@@ -75,8 +77,10 @@ def test_interrupt_keeps_what_is_done(
 
     monkeypatch.setattr(tasks, "encode", interrupted)
     out = tmp_path / "a.sgi"
-    stopped = sgi("encode", picture, out, *OPTIONS)
+    first, last = (shutil.copy(picture, tmp_path / name) for name in ("a.png", "last.png"))
+    stopped = sgi("encode", first, *([last, "--output-dir", tmp_path] if are_many else [out]), *OPTIONS)
     assert stopped.exit_code == 130
+    assert fitted == [0, 1]
     assert "1 of 2 tiles are in" in stopped.stderr
     assert not out.exists()
     assert (tmp_path / "a.sgi.part").exists()
