@@ -59,7 +59,7 @@ class Cli(click.Group):
         except SgiError as error:
             status = _complain(str(error), error.exit_code)
         except click.Abort as error:  # made of a KeyboardInterrupt
-            status = _complain(str(error.__cause__) or "interrupted", _INTERRUPTED)
+            status = _complain(str(error.__cause__ or "") or "interrupted", _INTERRUPTED)
         sys.exit(status if isinstance(status, int) else 0)
 
     def list_commands(self, ctx: click.Context) -> list[str]:
