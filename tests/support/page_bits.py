@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Hashable
+from typing import Any
 
 import constriction
 import numpy as np
@@ -16,9 +17,14 @@ Code = Callable[[int], int]
 
 def coded_bits(data: bytes) -> Code:
     """What reads bits from the bytes of a range coder, whose probabilities have 24 bits."""
+    return opened_bits(data)[1]
+
+
+def opened_bits(data: bytes) -> tuple[Any, Code]:
+    """The decoder of such bytes, which knows whether they are at an end, and what reads from it."""
     words = np.frombuffer(data + bytes(-len(data) % 4), ">u4").astype(np.uint32)
     decoder, model = constriction.stream.queue.RangeDecoder(words), constriction.stream.model.Bernoulli(perfect=False)
-    return lambda one: int(decoder.decode(model, np.array([1 - (0x1000000 - 256 * one - 0.5) / 0xFFFFFE]))[0])
+    return decoder, lambda one: int(decoder.decode(model, np.array([1 - (0x1000000 - 256 * one - 0.5) / 0xFFFFFE]))[0])
 
 
 class BitModels:

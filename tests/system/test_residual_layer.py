@@ -9,13 +9,12 @@ import zlib
 from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 import reference_residual
 import tifffile
-from numpy.typing import NDArray
+from page_bits import opened_bits
 from page_varint import decode_varint
 from pipe import Pipe
 from surgery import join, split
@@ -380,20 +379,14 @@ def test_bands_alone_are_as_the_page_says() -> None:
 def by_the_page(
     samples: NDArray[Any], drawn: NDArray[Any], header: Header, form: bytes, cells: NDArray[Any], *given: Any
 ) -> NDArray[Any]:
-    """A block as the page reads it from the bits that are written, each with the probability that it was written with.
-    given: as to `reference_residual.block`, but for what gives a bit.
+    """A block as the page reads it from what is written. given: as to `reference_residual.block`, but for what gives a
+    bit.
     """
-    bits, ones, crc = _native.code_residual(samples, drawn, encode_header(header), form, cells)
-    expected = iter(zip(bits.tolist(), ones.tolist(), strict=True))
-
-    def code(one: int) -> int:
-        bit, stated = next(expected)
-        assert one == stated
-        return int(bit)
-
+    data, crc, _ = _native.code_residual(samples, drawn, encode_header(header), form, cells)
+    decoder, code = opened_bits(data)
     order, grids, has_bits, nodata, *more = given
     found = reference_residual.block(drawn, order, grids, has_bits, nodata, code, *more)
-    assert next(expected, None) is None
+    assert decoder.maybe_exhausted()
     assert zlib.crc32(found.astype("<f4").tobytes()) == crc
     return found
 
