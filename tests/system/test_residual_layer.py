@@ -9,11 +9,13 @@ import zlib
 from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 import reference_residual
 import tifffile
+from numpy.typing import NDArray
 from page_bits import opened_bits
 from page_varint import decode_varint
 from pipe import Pipe
