@@ -9,8 +9,6 @@ import click
 
 from sgicodec.errors import SgiError
 
-__all__ = ["BENCHMARKS", "main"]
-
 BENCHMARKS = {
     "decode": ("benchmarks.decode", "What decoding costs, next to another version of the package."),
     "ladder": ("benchmarks.ladder", "What each effort takes and gives, beside AVIF and JPEG XL."),

@@ -29,18 +29,6 @@ from sgicodec.raster.cpu import NativeRasterizer
 from sgicodec.raster.cuda import CudaRasterizer
 from tests.support.reference_raster import ReferenceRasterizer
 
-__all__ = [
-    "NotRunError",
-    "Tuning",
-    "check_features",
-    "check_gradients",
-    "check_images",
-    "check_repeats",
-    "check_sanitizer",
-    "check_streams",
-    "require",
-]
-
 Tuning = Literal["visual", "psnr"]
 
 SMALL = Scene(300, 3.0, 150, 100)

@@ -13,8 +13,6 @@ from sgicodec.cuda import tiles
 from sgicodec.cuda.gpu import Gpu
 from sgicodec.raster.backend import DEFAULT_CUTOFF
 
-__all__ = ["H200", "Counts", "Floor", "Peak", "counts_of", "floors", "peak_of"]
-
 
 class Peak(NamedTuple):
     """What a GPU does in a second at most: float32 operations, exponentials (16 in a clock on each multiprocessor),

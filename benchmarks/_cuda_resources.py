@@ -7,8 +7,6 @@ from typing import NamedTuple
 
 from sgicodec.cuda.compiler import Compiler
 
-__all__ = ["ARCHITECTURES", "Resources", "resources"]
-
 ARCHITECTURES = (75, 80, 86, 89, 90, 100, 120)
 """Of all families that NVRTC 13 knows, the first; later members of a family run what is compiled for it."""
 

@@ -14,8 +14,6 @@ from typing import Any
 
 import sgicodec
 
-__all__ = ["measured"]
-
 RUNS, MIN_SECONDS, CLOCK_RUNS = 5, 0.1, 15
 
 

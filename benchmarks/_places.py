@@ -10,8 +10,6 @@ import numpy.typing as npt
 from sgicodec.bench.codec import Pixels8
 from sgicodec.metrics.psnr import luma
 
-__all__ = ["Place", "busiest", "most_different"]
-
 Plane = npt.NDArray[np.float64]  # [H, W]
 Place = tuple[int, int]  # x, y of the upper left corner
 

@@ -11,8 +11,6 @@ from sgicodec.bench.peer import Peer
 from sgicodec.bench.sgi import SgiCodec
 from sgicodec.errors import SgiError
 
-__all__ = ["TOLERANCE", "Sized", "best_within", "coded_to_size"]
-
 TOLERANCE = 1.02
 """How many times the bytes asked for a peer may take, since its qualities come in steps."""
 

@@ -10,8 +10,6 @@ from typing import TypeVar
 
 import click
 
-__all__ = ["against", "in_turn", "median_seconds"]
-
 Key = TypeVar("Key", bound=Hashable)
 Found = TypeVar("Found")
 

@@ -14,8 +14,6 @@ from sgicodec import EncodeSettings, encode_picture, read
 from sgicodec.decoder.stream import open_stream
 from sgicodec.metrics.visual_score import visual_score
 
-__all__ = ["least_score", "main", "over"]
-
 Rgba8 = NDArray[np.uint8]  # [H, W, 4]
 
 

@@ -50,8 +50,6 @@ from sgicodec.fit.trainer import Progress
 from sgicodec.picture import Picture
 from sgicodec.raster.cuda import CudaRasterizer
 
-__all__ = ["main"]
-
 SCENES = (Scene(50_000, 4.0), Scene(500_000, 1.3))
 TILE = 256
 STEPS = 1000

@@ -16,8 +16,6 @@ import click
 
 from benchmarks._turns import against, in_turn
 
-__all__ = ["main"]
-
 Found = TypeVar("Found")
 
 CASES = Path(__file__).with_name("_decode_cases.py")

@@ -17,8 +17,6 @@ from sgicodec.errors import require
 from sgicodec.metrics.perceptual import perceived
 from sgicodec.metrics.psnr import psnr
 
-__all__ = ["main"]
-
 ZOOM = 16
 """How many times as large the second row shows its part."""
 

@@ -9,15 +9,11 @@ from typing import Any
 
 import click
 import numpy as np
-from numpy.typing import NDArray
 
 from sgicodec import EncodeSettings, Picture, encode_picture, read
+from sgicodec.arrays import Samples
 from sgicodec.decoder.stream import open_stream
 from sgicodec.errors import UsageError, require
-
-__all__ = ["Difference", "difference", "main", "ndvi"]
-
-Samples = NDArray[Any]
 
 _CLASSES = (0.2, 0.4, 0.6)
 """NDVI between sparse, some and dense vegetation, as maps divide it."""

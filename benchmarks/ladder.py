@@ -25,8 +25,6 @@ from sgicodec.device import Device
 from sgicodec.encoder.progress import NullListener
 from sgicodec.metrics.visual_score import VisualReference
 
-__all__ = ["Point", "Rung", "Stages", "bytes_at", "main", "measure", "peer_rung", "sgi_rung"]
-
 
 @dataclass(frozen=True)
 class Point:

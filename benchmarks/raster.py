@@ -8,19 +8,16 @@ from dataclasses import dataclass
 
 import click
 import numpy as np
-from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from benchmarks._turns import median_seconds
 from sgicodec import _native
+from sgicodec.arrays import F32
 from sgicodec.device import Device
 from sgicodec.model.morton import morton
 from sgicodec.raster.backend import DEFAULT_CUTOFF
 from sgicodec.raster.cpu import NativeRasterizer
 
-__all__ = ["Scene", "Speed", "backward_operations", "forward_operations", "main", "measure", "pairs_within"]
-
-F32 = NDArray[np.float32]
 Gaussians = tuple[F32, F32, F32]
 
 START = 34

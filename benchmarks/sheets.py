@@ -26,8 +26,6 @@ if TYPE_CHECKING:
     from PIL.Image import Image as Picture
     from PIL.ImageFont import FreeTypeFont, ImageFont
 
-__all__ = ["draw_sheet", "main"]
-
 _CROP = (160, 128)  # pixels of the picture, before they are doubled
 _COLUMNS = 4
 _LABEL = 36  # pixels, two lines

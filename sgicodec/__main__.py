@@ -4,8 +4,6 @@ import sys
 
 from sgicodec.errors import MissingExtraError, require
 
-__all__ = ["main"]
-
 
 def main() -> None:
     """Runs the command line; in one line it says if the library that parses it is missing, or if it is interrupted

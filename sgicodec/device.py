@@ -8,8 +8,6 @@ from numbers import Integral
 
 from sgicodec.errors import UsageError
 
-__all__ = ["ALL_CORES", "ONE_THREAD", "PROCESSOR", "Device", "check_device", "check_room", "own_cores", "room_left"]
-
 
 @dataclass(frozen=True)
 class Device:

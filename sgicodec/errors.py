@@ -7,26 +7,6 @@ from __future__ import annotations
 
 from typing import Any
 
-__all__ = [
-    "BatchError",
-    "CorruptStreamError",
-    "LimitError",
-    "MissingExtraError",
-    "NoDeviceError",
-    "OutputExistsError",
-    "OutputLockedError",
-    "PictureError",
-    "RegionError",
-    "ReportError",
-    "SgiError",
-    "StreamError",
-    "TargetMissedError",
-    "TileFailedError",
-    "UnsupportedStreamError",
-    "UsageError",
-    "require",
-]
-
 
 class SgiError(Exception):
     """Base of every error that is the input's or the caller's, never this package's. Its text is one line."""

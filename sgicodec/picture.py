@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from sgicodec.arrays import Samples
 from sgicodec.errors import UsageError
 from sgicodec.metadata import geo
 from sgicodec.metadata.blobs import Metadata
@@ -30,7 +31,6 @@ __all__ = [
     "without_opaque_alpha",
 ]
 
-Samples = npt.NDArray[Any]
 
 MAX_SAMPLE = 1e38
 """Of a sample range, either way: floats hold differences of samples."""

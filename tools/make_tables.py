@@ -16,8 +16,6 @@ import click
 import mpmath  # type: ignore[import-untyped]
 import numpy as np
 
-__all__ = ["SURVIVAL", "main", "make_tables"]
-
 FAMILIES = ("gaussian", "laplace")
 SCALES = 64
 """Of a family; scale i stands for σ = 2^((i − 24) / 6) steps."""

@@ -11,8 +11,6 @@ import torch
 import torch.nn.functional as F
 from torch import Tensor, nn
 
-__all__ = ["RestorationNet", "file_of", "network_of"]
-
 INPUT_UNIT = 128.0
 """Of an input of one step."""
 HIDDEN_UNIT = 128.0

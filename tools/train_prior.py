@@ -32,8 +32,6 @@ from sgicodec.model.spec import ModelSpec
 from tests.support.torch_step.context_net import ContextNet
 from tests.support.torch_step.quantization_proxy import QuantizationProxy
 
-__all__ = ["Seeds", "TrainingNet", "main", "seeds_in", "train"]
-
 QUALITIES = (22.0, 78.0)
 FEWEST_SEEDS = 32
 HOLD = 20.0

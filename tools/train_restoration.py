@@ -46,8 +46,6 @@ from sgicodec.model.colours import to_channels
 from sgicodec.rdoq.objective import with_values
 from tools.restoration_file import RestorationNet, file_of, network_of
 
-__all__ = ["SQUARED", "TRAININGS", "Example", "Training", "examples_of", "loss_of", "make_streams", "train"]
-
 MIN_ERROR = 0.003
 """Squared error, in squared steps, that is added so that flat crops do not rule."""
 MIN_MISSED = 1e-4

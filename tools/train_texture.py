@@ -24,8 +24,6 @@ from sgicodec.encoder.effort import Tune
 from sgicodec.model.texture_symbols import TextureSymbols
 from sgicodec.picture import Picture
 
-__all__ = ["main", "train"]
-
 QUALITIES: dict[Tune, tuple[float, ...]] = {"psnr": (30, 42, 54, 66), "visual": (45, 57, 70, 83)}
 EFFORTS: dict[Tune, int] = {"psnr": 2, "visual": 3}
 ORDERS = 24

@@ -17,8 +17,6 @@ from sgicodec.bench.codec import Pixels8
 from sgicodec.bench.run import Sample, find_pictures, load_sample
 from sgicodec.errors import SgiError, UsageError, require
 
-__all__ = ["main", "middle"]
-
 STEPS, QUICK_STEPS = 15_000, 60
 """Of each fit: as published, and to see that everything runs."""
 

@@ -10,8 +10,6 @@ from typing import Any
 from benchmarks.paper.rows import Key
 from sgicodec.encoder.settings import EncodeSettings
 
-__all__ = ["FACTORS", "RATES", "REDUCTION", "TABLES", "Job", "Method", "PaperFit", "Scope", "jobs"]
-
 RATES = {"low": 1800.0, "medium": 13300.0, "high": 43000.0}
 """Seeds per megapixel at K = 10: 50,000, 370,000 and 1.2 million Gaussians on a 2K picture. The paper prints no numbers
 for DIV2K; these are its sizes there divided by its bytes for a Gaussian on FGF2 and ICB.

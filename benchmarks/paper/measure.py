@@ -31,8 +31,6 @@ from sgicodec.metrics.scores import scores
 from sgicodec.picture import Picture
 from sgicodec.profiles.paper import paper_parts
 
-__all__ = ["Bench", "bilinear", "reduced"]
-
 _DECODES = 3
 """Decodes of a stream by either clock, of which the median counts."""
 

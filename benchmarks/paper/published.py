@@ -8,22 +8,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-__all__ = [
-    "COMPARISON",
-    "COMPONENTS",
-    "DECODE_MILLISECONDS",
-    "EXACT",
-    "JPEG_AT_LOW_RATE",
-    "LAMBDA",
-    "LEVELS",
-    "PER_SEED",
-    "SUPER_RESOLUTION",
-    "WITHOUT_FIGURES",
-    "Ablation",
-    "Exact",
-    "Published",
-]
-
 
 @dataclass(frozen=True)
 class Published:

@@ -10,8 +10,6 @@ from benchmarks.paper import published
 from benchmarks.paper.jobs import FACTORS, TABLES, Method
 from benchmarks.paper.rows import PaperRow
 
-__all__ = ["Mean", "means", "report"]
-
 _MIB = 2**20
 
 

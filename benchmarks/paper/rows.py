@@ -7,8 +7,6 @@ from pathlib import Path
 
 from sgicodec.bench.rows import RowFile
 
-__all__ = ["Key", "PaperResults", "PaperRow"]
-
 Key = tuple[str, str, str, str, str, str]
 
 

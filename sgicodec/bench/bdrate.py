@@ -16,8 +16,6 @@ from scipy.interpolate import PchipInterpolator
 
 from sgicodec.errors import UsageError
 
-__all__ = ["Curve", "Delta", "bd_quality", "bd_rate"]
-
 
 @dataclass(frozen=True)
 class Delta:

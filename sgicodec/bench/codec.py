@@ -12,8 +12,6 @@ import numpy.typing as npt
 
 from sgicodec.metrics.psnr import Pixels
 
-__all__ = ["Codec", "Coded", "Pixels8", "RoundTrip", "timed"]
-
 Pixels8 = npt.NDArray[np.uint8]  # [H, W, 3]
 Result = TypeVar("Result")
 

@@ -35,8 +35,6 @@ if TYPE_CHECKING:
     from sgicodec.bench.sgi import SgiCodec
     from sgicodec.picture import Picture
 
-__all__ = ["bench", "compare"]
-
 _PEERS = ("jpeg", "jpeg2000", "webp", "jxl", "avif-iq", "avif", "avif-s2")
 _PUBLISHED = ("coolchic5",)
 _CODECS = ("sgi", *_PEERS, *_PUBLISHED)

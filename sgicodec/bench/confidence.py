@@ -6,11 +6,8 @@ import math
 import warnings
 
 import numpy as np
-import numpy.typing as npt
 
-__all__ = ["LEVEL", "MIN_PICTURES", "interval"]
-
-F64 = npt.NDArray[np.float64]
+from sgicodec.arrays import F64
 
 LEVEL = 0.95
 """Share of such intervals that hold the mean of the population."""

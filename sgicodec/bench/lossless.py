@@ -17,8 +17,6 @@ from sgicodec.bench.sgi import SgiCodec
 from sgicodec.errors import PictureError, SgiError, require
 from sgicodec.metrics.psnr import Pixels, difference
 
-__all__ = ["PEERS", "LosslessCodec", "LosslessPeer", "LosslessRow", "check_error", "measure_lossless"]
-
 
 @dataclass(frozen=True)
 class LosslessRow:

@@ -8,8 +8,6 @@ from dataclasses import dataclass
 
 from sgicodec.bench.rows import Row
 
-__all__ = ["MEASURES", "Measure"]
-
 
 @dataclass(frozen=True)
 class Measure:

@@ -7,8 +7,6 @@ import shlex
 
 from sgicodec.errors import UsageError
 
-__all__ = ["numbers", "variant"]
-
 
 def numbers(text: str, option: str) -> list[float]:
     """Numbers with commas between. Raises UsageError for what is none."""

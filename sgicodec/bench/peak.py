@@ -15,8 +15,6 @@ from collections.abc import Iterator
 from pathlib import Path
 from threading import Event, Thread
 
-__all__ = ["family", "run", "together", "used"]
-
 _EVERY_SECONDS = 0.1
 
 

@@ -12,8 +12,6 @@ import numpy as np
 from sgicodec.bench.codec import Pixels8, RoundTrip, timed
 from sgicodec.errors import PictureError, UsageError, require
 
-__all__ = ["Peer", "PillowPeer", "pillow_encode"]
-
 
 class Peer(ABC):
     """A codec that runs in this process, on arrays.

@@ -16,8 +16,6 @@ from sgicodec.bench.codec import Codec, Pixels8
 from sgicodec.bench.peer import Peer, PillowPeer
 from sgicodec.errors import UsageError, require
 
-__all__ = ["PEERS", "Avif", "AvifIq", "AvifSlow", "Jpeg", "Jpeg2000", "JpegXl", "WebP", "find_peers"]
-
 
 @dataclass(frozen=True)
 class Jpeg(PillowPeer):

@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["write_plots"]
-
 
 def write_plots(summary: Summary, out_dir: Path) -> list[Path]:
     """Write the plots as PNG files and return their paths."""

@@ -9,8 +9,6 @@ from pathlib import Path
 
 from sgicodec.bench.rows import Row
 
-__all__ = ["PUBLISHED", "PublishedCurves"]
-
 _KODAK_SIZE = {768, 512}
 _UNKNOWN = ("luma_psnr", "ssim", "ms_ssim", "encode_seconds", "decode_seconds")
 

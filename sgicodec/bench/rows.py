@@ -11,8 +11,6 @@ from typing import Any, Generic, Protocol, TypeVar
 
 from sgicodec.errors import UsageError
 
-__all__ = ["Key", "Results", "Row", "RowFile"]
-
 Key = tuple[str, str, str, str, str]
 
 

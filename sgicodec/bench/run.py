@@ -21,8 +21,6 @@ from sgicodec.metrics.perceptual import Perceived, perceived
 from sgicodec.metrics.psnr import Pixels
 from sgicodec.metrics.scores import scores
 
-__all__ = ["Sample", "checksum", "find_pictures", "load_sample", "name_of", "run_bench", "to_rgb"]
-
 _SUFFIXES = {
     ".png",
     ".tif",

@@ -20,8 +20,6 @@ from sgicodec.bench.codec import Coded, Pixels8, RoundTrip
 from sgicodec.errors import SgiError, require
 from sgicodec.metrics.psnr import Pixels
 
-__all__ = ["Run", "SgiCodec", "fingerprint", "run_timed"]
-
 _PACKAGE = Path(__file__).resolve().parent.parent
 _LAUNCHER = Path(__file__).with_name("peak.py")
 # What cannot change a stream: the benchmark itself and sources that act only once compiled.

@@ -15,19 +15,6 @@ from sgicodec.bench.confidence import interval
 from sgicodec.bench.measures import MEASURES
 from sgicodec.bench.rows import Row
 
-__all__ = [
-    "AT_RATES",
-    "RATES",
-    "Comparison",
-    "Summary",
-    "curves",
-    "is_sgi",
-    "mean_at",
-    "picture_label",
-    "summarise",
-    "times",
-]
-
 RATES = (0.15, 0.2, 0.3, 0.5, 0.75, 1.0)  # bits per pixel
 
 AT_RATES = ("psnr", "ssimulacra2", "butteraugli", "flip", "cvvdp", "lpips", "dists")

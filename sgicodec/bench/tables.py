@@ -14,8 +14,6 @@ from sgicodec.bench.lossless import LosslessRow
 from sgicodec.bench.measures import MEASURES
 from sgicodec.bench.summary import AT_RATES, RATES, Comparison, Summary, is_sgi
 
-__all__ = ["print_bytes_at", "print_lossless", "print_summary"]
-
 
 def print_summary(summary: Summary, console: Console) -> None:
     """Print quality at equal rates, the BD-rates and the times."""

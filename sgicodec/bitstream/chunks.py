@@ -8,8 +8,6 @@ from typing import NamedTuple
 from sgicodec import _native
 from sgicodec.metadata.blobs import Metadata
 
-__all__ = ["CHUNKS", "METADATA", "ChunkKind", "metadata_of"]
-
 
 class ChunkKind(NamedTuple):
     """letter: its type in the file. name: for people. is_once: whether a stream has at most one. metadata: which field

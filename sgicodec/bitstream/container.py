@@ -15,7 +15,7 @@ from sgicodec.errors import UsageError
 
 __all__ = ["CRC_BYTES", "END", "MAX_PAYLOAD", "SIGNATURE", "ChunkWriter"]
 
-HEADER, END = "H", "E"
+_HEADER, END = "H", "E"
 
 CRC_BYTES = 4
 """Behind the payload of a chunk."""
@@ -35,8 +35,8 @@ class ChunkWriter:
         """Appends a chunk of type `kind`. Raises UsageError for what no reader would accept."""
         if len(kind) != 1 or not (kind.isascii() and kind.isalpha()):
             raise UsageError(f"container: chunk type {kind!r} is not an ASCII letter")
-        if (kind == HEADER) != (self._last == ""):
-            raise UsageError(f"container: chunk {kind} out of order; {HEADER} comes first and once")
+        if (kind == _HEADER) != (self._last == ""):
+            raise UsageError(f"container: chunk {kind} out of order; {_HEADER} comes first and once")
         if self._last == END:
             raise UsageError(f"container: chunk {kind} after the end mark")
         if len(payload) > (0 if kind == END else MAX_PAYLOAD):

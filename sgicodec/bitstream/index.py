@@ -7,8 +7,6 @@ from typing import NamedTuple
 
 from sgicodec.bitstream.varint import encode_varint
 
-__all__ = ["Place", "encode_index"]
-
 _OFFSET_BYTES = 8
 
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-__all__ = ["printable"]
-
 _MAX_TEXT = 200
 """Bytes that are shown of the name of the program that wrote a stream."""
 

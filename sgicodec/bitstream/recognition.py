@@ -9,8 +9,6 @@ from typing import Any
 from sgicodec.bitstream.container import SIGNATURE
 from sgicodec.remote.url import has_stream_name, is_url
 
-__all__ = ["is_stream", "looks_like_stream"]
-
 
 def is_stream(path: str | os.PathLike[str]) -> bool:
     """Whether a file begins as streams do. Raises OSError."""

@@ -7,8 +7,6 @@ from typing import BinaryIO, NamedTuple
 from sgicodec.bitstream.container import CRC_BYTES, END, SIGNATURE, ChunkWriter
 from sgicodec.bitstream.index import Place, encode_index
 
-__all__ = ["RESIDUAL", "rewrite_stream"]
-
 RESIDUAL = "r"
 """The letter of the chunk of a residual layer."""
 

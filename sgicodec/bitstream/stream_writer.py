@@ -11,8 +11,6 @@ from sgicodec.bitstream.header import Header, encode_header
 from sgicodec.bitstream.index import Place, encode_index
 from sgicodec.picture import Metadata
 
-__all__ = ["write_stream"]
-
 
 def write_stream(
     file: BinaryIO,

@@ -7,8 +7,6 @@ from __future__ import annotations
 
 from sgicodec.errors import UsageError
 
-__all__ = ["MAX_VARINT", "encode_varint"]
-
 MAX_VARINT = 2**63 - 1
 """Largest value: every reader can hold it in a signed 64-bit integer."""
 

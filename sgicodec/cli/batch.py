@@ -21,8 +21,6 @@ from sgicodec.cli.progress import Mode, batch_progress
 from sgicodec.errors import BatchError, SgiError, UsageError
 from sgicodec.remote.url import is_url
 
-__all__ = ["Files", "takes_files"]
-
 
 @dataclass(frozen=True)
 class Item:
@@ -152,7 +150,8 @@ class Files:
         failed, skipped, finished, size, started = 0, 0, 0, 0, time.monotonic()
         with batch_progress("off" if self.quiet else self.progress, len(items)) as draw:
             for number, item in enumerate(items):
-                draw(number, display(item.source), time_left(len(items) - number, finished, time.monotonic() - started))
+                left = _time_left(len(items) - number, finished, time.monotonic() - started)
+                draw(number, display(item.source), left)
                 try:
                     target = _target(item, extension_of)
                     if self.skip_existing and os.path.exists(target):
@@ -193,7 +192,7 @@ def _target(item: Item, extension_of: Callable[[str], str]) -> str:
     return target
 
 
-def time_left(files: int, finished: int, seconds: float) -> str:
+def _time_left(files: int, finished: int, seconds: float) -> str:
     """How long so many files will take, if the finished ones took so many seconds; empty before the first."""
     if not finished:
         return ""

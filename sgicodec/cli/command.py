@@ -6,8 +6,6 @@ from typing import Any
 
 import click
 
-__all__ = ["HelpfulCommand", "examples_text"]
-
 _HELP_ALL = "sgicodec.help-all"
 """Key in a context's `meta`: whether all options are to be shown."""
 

@@ -35,8 +35,6 @@ from sgicodec.plugins.compression import Compression
 if TYPE_CHECKING:
     from sgicodec.decoder.stream import Region
 
-__all__ = ["decode"]
-
 
 @click.command(
     cls=HelpfulCommand,

@@ -41,8 +41,6 @@ if TYPE_CHECKING:
     from sgicodec.decoder.stream import Bands, Stream
     from sgicodec.picture import Picture
 
-__all__ = ["DecodeJob"]
-
 _WRITERS = {
     "cog": ("sgicodec.plugins.cog", "rasterio"),
     "zarr": ("sgicodec.plugins.ome_zarr", "zarr"),

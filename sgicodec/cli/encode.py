@@ -38,8 +38,6 @@ if TYPE_CHECKING:
 
     from sgicodec.encoder.settings import EncodeSettings
 
-__all__ = ["encode"]
-
 _OF_EACH = ("sample_range", "alpha", "page", "max_memory", "resume", "verify")
 """Options beside the settings of a stream that `EncodeOptions` has as they are."""
 _MAX_FILE = 1 << 20

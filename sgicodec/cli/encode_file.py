@@ -31,8 +31,6 @@ if TYPE_CHECKING:
     from sgicodec.image.source import Source
     from sgicodec.image.used_range import RangeChoice
 
-__all__ = ["EncodeOptions", "encode_file"]
-
 
 @dataclass(frozen=True)
 class EncodeOptions:

@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from sgicodec.encoder.plan import Plan
     from sgicodec.fit.trainer import Progress
 
-__all__ = ["EncodeListener"]
-
 
 class EncodeListener(NullListener):
     """A context manager around an encode. plan: known once it has begun."""

@@ -9,8 +9,6 @@ import click
 from sgicodec.cli.paths import display
 from sgicodec.errors import BatchError, SgiError
 
-__all__ = ["complain", "each_file"]
-
 
 def each_file(sources: tuple[str, ...], work: Callable[[str], None]) -> None:
     """Calls work(source) for all sources; reports failures as they occur. Raises what a single one does, or BatchError

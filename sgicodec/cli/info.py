@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from sgicodec.decoder.stream import Stream
     from sgicodec.decoder.survey import Survey
 
-__all__ = ["info"]
-
 _NO_PLACE = {"place": None, "nodata": None, "magnification": None, "resolution": None}
 _DEPTHS = {"uint8": "8 bits", "uint16": "16 bits", "float32": "32-bit float"}
 _WHOLE_TYPE = {"uint8": (0.0, 255.0), "uint16": (0.0, 65535.0)}

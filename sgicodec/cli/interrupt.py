@@ -9,8 +9,6 @@ import sys
 import threading
 from types import FrameType, TracebackType
 
-__all__ = ["EarlyEnd"]
-
 _GRACE_SECONDS = 1.0
 """What the second SIGINT leaves to Python, which hears of it only between calls of native code."""
 

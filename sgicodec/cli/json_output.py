@@ -8,8 +8,6 @@ from typing import Any
 
 import click
 
-__all__ = ["SCHEMA", "print_json"]
-
 SCHEMA = 1
 """Grows when a key goes or changes its meaning, not when one is added."""
 

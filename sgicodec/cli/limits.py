@@ -13,8 +13,6 @@ from sgicodec.errors import LimitError
 from sgicodec.executors.available import group_memory
 from sgicodec.executors.peak import own_peak
 
-__all__ = ["DecodeLimits"]
-
 _MIB = 1 << 20
 
 

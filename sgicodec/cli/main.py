@@ -17,8 +17,6 @@ from sgicodec.device import check_room
 from sgicodec.errors import SgiError
 from sgicodec.version import __version__
 
-__all__ = ["cli", "main"]
-
 _INTERNAL, _USAGE, _INTERRUPTED, _BROKEN_PIPE = 1, 2, 130, 141
 
 _COMMANDS = {

@@ -14,32 +14,6 @@ from sgicodec.rate_control.target import TARGETS
 if TYPE_CHECKING:
     from click.shell_completion import CompletionItem
 
-__all__ = [
-    "BYTES",
-    "EFFORT",
-    "FILE",
-    "FOLDER",
-    "QUALITY",
-    "REGION",
-    "SAMPLE_RANGE",
-    "SCALE",
-    "SIZE",
-    "VERBOSE",
-    "Sized",
-    "alpha_option",
-    "batch_options",
-    "device_option",
-    "force_option",
-    "json_option",
-    "output_option",
-    "page_option",
-    "progress_option",
-    "quiet_option",
-    "target_options",
-    "threads_option",
-    "verbose_option",
-]
-
 VERBOSE = "sgicodec.verbose"
 """Key in a context's `meta`: whether -v was given."""
 

@@ -6,8 +6,6 @@ from collections.abc import Mapping
 
 import click
 
-__all__ = ["all_parts", "chunk_parts", "metadata_bytes", "print_parts", "whole_bytes"]
-
 
 def metadata_bytes(chunks: Mapping[str, int]) -> dict[str, int]:
     """Bytes of the metadata that a stream carries, frame included, by the name of each kind."""

@@ -19,23 +19,6 @@ if TYPE_CHECKING:
 
     from sgicodec.decoder.stream import Stream
 
-__all__ = [
-    "STANDARD",
-    "check_output",
-    "display",
-    "given",
-    "is_stream",
-    "is_written_directly",
-    "local_name",
-    "name_of",
-    "naming_stream",
-    "opened_stream",
-    "output_file",
-    "size_of",
-    "with_extension",
-    "writing",
-]
-
 STANDARD = "-"
 
 

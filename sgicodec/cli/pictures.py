@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from sgicodec.image.sink import Sink
     from sgicodec.picture import Picture
 
-__all__ = ["Output", "path_for", "write_bands", "write_picture", "write_pyramid"]
-
 Pyramid = Literal["tiff", "ome", "cog", "zarr"]
 
 

@@ -13,8 +13,6 @@ if TYPE_CHECKING:
     from sgicodec.decoder.stream import Stream
     from sgicodec.metadata.blobs import Metadata
 
-__all__ = ["losses", "lost_outside_tiff", "place_facts", "place_lines"]
-
 
 def place_facts(stream: Stream) -> dict[str, Any]:
     """What `sgi info --json` says."""

@@ -16,8 +16,6 @@ if TYPE_CHECKING:
     from sgicodec.encoder.progress import PassState
     from sgicodec.fit.trainer import Progress
 
-__all__ = ["EncodeBar", "Mode", "batch_progress", "encode_progress", "fit_text", "row_progress", "tile_text"]
-
 Mode = Literal["auto", "on", "off"]
 
 

@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from sgicodec.encoder.pipeline import Encoded
     from sgicodec.encoder.plan import Plan
 
-__all__ = ["Report", "print_report"]
-
 
 @dataclass(frozen=True)
 class Report:

@@ -25,8 +25,6 @@ if TYPE_CHECKING:
     from sgicodec.decoder.stream import Stream
     from sgicodec.image.opened import Alpha
 
-__all__ = ["check_below", "refine", "strip"]
-
 
 @click.command(
     cls=HelpfulCommand,

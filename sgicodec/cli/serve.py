@@ -11,8 +11,6 @@ from sgicodec.cli.options import FOLDER, threads_option
 from sgicodec.device import Device
 from sgicodec.errors import require
 
-__all__ = ["serve"]
-
 
 @click.command(
     cls=HelpfulCommand,

@@ -10,8 +10,6 @@ from typing import Any, NoReturn
 
 from sgicodec.errors import ReportError, UsageError
 
-__all__ = ["check_stdout", "drop", "repair"]
-
 _NAMES = ("stdin", "stdout", "stderr")
 
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-__all__ = ["EXAMPLES", "EXIT_CODES", "NO_MEMORY"]
-
 EXAMPLES = (
     ("sgi encode photo.jpg", "photo.sgi beside it"),
     ("sgi decode photo.sgi", "photo.png beside it"),

@@ -16,8 +16,6 @@ from sgicodec.errors import CorruptStreamError, StreamError
 if TYPE_CHECKING:
     from sgicodec.decoder.stream import Stream
 
-__all__ = ["verify"]
-
 _BAND_SAMPLES = 1 << 24
 """Samples that are rendered at a time."""
 

@@ -6,8 +6,6 @@ import platform
 import re
 from importlib.metadata import PackageNotFoundError, requires, version
 
-__all__ = ["version_lines"]
-
 _LIBRARIES = ("numpy", "OpenImageIO", "pillow", "click", "rich")
 _FOR_DEVELOPERS = {"test", "lint", "wheel"}
 _REQUIREMENT = re.compile(r"""([\w.-]+).*\bextra == ['"](\w+)""")

@@ -15,8 +15,6 @@ from sgicodec.device import Device
 from sgicodec.errors import StreamError, UsageError, require
 from sgicodec.remote.url import file_name, is_url
 
-__all__ = ["view"]
-
 _HOST = "127.0.0.1"
 
 

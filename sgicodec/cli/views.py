@@ -13,8 +13,6 @@ from sgicodec.errors import UsageError
 if TYPE_CHECKING:
     from sgicodec.decoder.stream import Region, Stream
 
-__all__ = ["ViewOptions", "fitted"]
-
 
 @dataclass(frozen=True)
 class ViewOptions:

@@ -8,8 +8,6 @@ from dataclasses import dataclass, replace
 from sgicodec.device import Device
 from sgicodec.errors import SgiError, UsageError
 
-__all__ = ["CHOICES", "NamedDevice", "check_name", "device_of"]
-
 CHOICES = "auto, cpu, cuda or cuda:N"
 
 

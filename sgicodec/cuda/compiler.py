@@ -13,8 +13,6 @@ from typing import Any
 from sgicodec.cuda import sources
 from sgicodec.errors import MissingExtraError, NoDeviceError, SgiError
 
-__all__ = ["Compiler", "compiled", "the_compiler"]
-
 _NAMES = ("libnvrtc.so.13", "libnvrtc.so.12", "libnvrtc.so")
 _OPTIONS = ("-std=c++17", "-default-device", "-fmad=false", "-diag-suppress=161", "-diag-suppress=177")
 

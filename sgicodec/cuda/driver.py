@@ -8,8 +8,6 @@ from typing import Any
 
 from sgicodec.errors import NoDeviceError, SgiError
 
-__all__ = ["CudaError", "Driver", "Pointer", "the_driver"]
-
 LIBRARY = "libcuda.so.1"
 """What the driver installs. It is no part of the toolkit."""
 

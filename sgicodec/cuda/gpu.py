@@ -14,8 +14,6 @@ from numpy.typing import DTypeLike, NDArray
 from sgicodec.cuda.compiler import compiled
 from sgicodec.cuda.driver import CudaError, Driver, Pointer, the_driver
 
-__all__ = ["Gpu", "GpuArray", "opened", "own_gpus"]
-
 _NON_BLOCKING = ctypes.c_uint(1)
 """CU_STREAM_NON_BLOCKING."""
 

@@ -8,8 +8,6 @@ from sgicodec.cuda import sources
 from sgicodec.cuda.gpu import Gpu, GpuArray
 from sgicodec.cuda.structures import structures
 
-__all__ = ["Scan"]
-
 _SIZES = sources.constants("cuda/base/scan.hpp")
 THREADS, ITEMS = _SIZES["kScanThreads"], _SIZES["kScanItems"]
 

@@ -7,8 +7,6 @@ import re
 from functools import cache
 from pathlib import Path
 
-__all__ = ["constants", "digest", "root"]
-
 _INCLUDE = re.compile(r'^\s*#\s*include [<"]([^">]+)[">]', re.MULTILINE)
 
 

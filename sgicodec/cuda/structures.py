@@ -9,8 +9,6 @@ from typing import Any
 
 from sgicodec.cuda import sources
 
-__all__ = ["structures"]
-
 _TYPES: dict[str, Any] = {
     "int32_t": ctypes.c_int32,
     "uint32_t": ctypes.c_uint32,

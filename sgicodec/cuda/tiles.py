@@ -12,8 +12,6 @@ from sgicodec.cuda.gpu import Gpu, GpuArray
 from sgicodec.cuda.scan import Scan
 from sgicodec.cuda.structures import structures
 
-__all__ = ["MAX_CHANNELS", "MAX_PAIRS", "CudaView", "TilePasses"]
-
 MAX_CHANNELS = 4
 """The kernels are compiled for 1 to 4 channels."""
 
@@ -21,11 +19,11 @@ _SIZES = {**sources.constants("cuda/raster/tiling.hpp"), **sources.constants("cu
 _SIZES |= sources.constants("cuda/raster/tile_memory.hpp")
 TILE_WIDTH, TILE_HEIGHT = _SIZES["kTileColumns"], _SIZES["kTileRows"]
 MOMENTS, DIGIT_BITS = _SIZES["kPairMoments"], _SIZES["kDigitBits"]
-SORT_THREADS, TILE_THREADS = _SIZES["kSortThreads"], _SIZES["kTileThreads"]
-SORTED = SORT_THREADS * _SIZES["kSortItems"]
+_SORT_THREADS, _TILE_THREADS = _SIZES["kSortThreads"], _SIZES["kTileThreads"]
+_SORTED = _SORT_THREADS * _SIZES["kSortItems"]
 SPLAT_BYTES = 13 * 4  # TileSplat
 MAX_PAIRS = 1 << 28
-THREADS, SEARCHERS = 128, 256  # of kernels with a thread for each Gaussian; of `find_tiles`
+_THREADS, _SEARCHERS = 128, 256  # of kernels with a thread for each Gaussian; of `find_tiles`
 
 
 class CudaView(NamedTuple):
@@ -73,7 +71,7 @@ class TilePasses:
         self._make_room(4 * gaussians + 4 * view.tiles)
 
     def _make_room(self, capacity: int) -> None:
-        self.capacity, self.sort_blocks = capacity, -(-capacity // SORTED)
+        self.capacity, self.sort_blocks = capacity, -(-capacity // _SORTED)
         self.owner = self.gpu.array(capacity, np.int32)
         self.pairs = [self.gpu.array(capacity, np.uint32) for _ in range(4)]
         self.digits = self.gpu.array((1 << DIGIT_BITS) * self.sort_blocks + 1, np.int32)
@@ -100,31 +98,31 @@ class TilePasses:
 
     def bin(self) -> None:
         """Finds the pairs and sorts them by tile, as many as there is room for."""
-        blocks = -(-self.gaussians // THREADS)
+        blocks = -(-self.gaussians // _THREADS)
         given = self._arguments(*self.pairs)
-        self.gpu.launch("prepare_splats", blocks, THREADS, given)
+        self.gpu.launch("prepare_splats", blocks, _THREADS, given)
         self._starts.launch()
-        self.gpu.launch("list_pairs", blocks, THREADS, given)
+        self.gpu.launch("list_pairs", blocks, _THREADS, given)
         now, then = self.pairs[:2], self.pairs[2:]
         for shift in range(0, max(1, (self.view.tiles - 1).bit_length()), DIGIT_BITS):
             given = self._arguments(*now, *then, shift)
-            self.gpu.launch("sort_count", self.sort_blocks, SORT_THREADS, given)
+            self.gpu.launch("sort_count", self.sort_blocks, _SORT_THREADS, given)
             self._digits.launch()
-            self.gpu.launch("sort_scatter", self.sort_blocks, SORT_THREADS, given)
+            self.gpu.launch("sort_scatter", self.sort_blocks, _SORT_THREADS, given)
             now, then = then, now
         self._sorted = *now, *then
         given = self._arguments(*self._sorted)
-        self.gpu.launch("find_tiles", -(-(self.capacity + 1) // SEARCHERS), SEARCHERS, given)
+        self.gpu.launch("find_tiles", -(-(self.capacity + 1) // _SEARCHERS), _SEARCHERS, given)
 
     def over_tiles(self, kernel: str) -> None:
         """`forward`, `error` or `absolute_error`, a block for each tile, after `bin`."""
         given = self._arguments(*self._sorted)
-        self.gpu.launch(f"{kernel}_{self.channels}", self.view.tiles, TILE_THREADS, given)
+        self.gpu.launch(f"{kernel}_{self.channels}", self.view.tiles, _TILE_THREADS, given)
 
     def reduce(self) -> None:
         """Gradients of Gaussians, after a pass that left moments of pairs."""
         given = self._arguments(*self._sorted)
-        self.gpu.launch(f"reduce_{self.channels}", -(-self.gaussians // THREADS), THREADS, given)
+        self.gpu.launch(f"reduce_{self.channels}", -(-self.gaussians // _THREADS), _THREADS, given)
 
     def set(self, **fields: Any) -> None:
         """Changes arguments of passes to come."""

@@ -16,8 +16,6 @@ if TYPE_CHECKING:
 
     from sgicodec.picture import Picture
 
-__all__ = ["ArrayView"]
-
 
 class ArrayView:
     """The base of `Stream`: all that follows from its header, from `picture` and from `_draw`."""

@@ -14,11 +14,9 @@ if TYPE_CHECKING:
 
     from sgicodec.picture import Picture
 
-__all__ = ["Bands"]
-
 BAND_SAMPLES = 1 << 25
-MIN_BAND_ROWS = 16
-"""A band has about BAND_SAMPLES samples, and at least MIN_BAND_ROWS rows."""
+_MIN_BAND_ROWS = 16
+"""A band has about BAND_SAMPLES samples, and at least _MIN_BAND_ROWS rows."""
 
 Draw = Callable[[int, int], "NDArray[Any]"]
 """Gives pixels [rows, columns, C] of what a view shows, from a row on and so many rows."""
@@ -41,7 +39,7 @@ class Bands:
     def rows(self) -> int:
         """Rows of a band; the last one may have fewer."""
         samples = self.width * self._header.spec.channels
-        return min(self.height, max(MIN_BAND_ROWS, BAND_SAMPLES // samples))
+        return min(self.height, max(_MIN_BAND_ROWS, BAND_SAMPLES // samples))
 
     def __iter__(self) -> Iterator[tuple[int, Picture]]:
         """First row and picture of each band."""

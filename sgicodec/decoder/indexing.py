@@ -8,8 +8,6 @@ from typing import Any
 from sgicodec.decoder.view import Region
 from sgicodec.errors import RegionError, UsageError
 
-__all__ = ["indexed_region"]
-
 
 def indexed_region(key: Any, shape: tuple[int, ...]) -> tuple[Region, tuple[int | slice, ...]]:
     """The region (x, y, width, height) that `key` touches in an array of `shape`, [H, W] or [H, W, C], and the index

@@ -6,8 +6,6 @@ from typing import NamedTuple
 
 from sgicodec._native import levels
 
-__all__ = ["Level", "levels_of"]
-
 
 class Level(NamedTuple):
     """Size in pixels, and how many of the picture's pixels lie along the side of one of its own."""

@@ -12,8 +12,6 @@ from sgicodec.decoder.view import Region
 from sgicodec.device import ALL_CORES, Device
 from sgicodec.errors import UsageError
 
-__all__ = ["decode", "imread"]
-
 
 def decode(
     data: BytesLike,

@@ -11,8 +11,6 @@ from sgicodec.bitstream.header import Header
 from sgicodec.errors import UsageError
 from sgicodec.picture import full_range
 
-__all__ = ["converted"]
-
 
 def converted(header: Header, nodata: float | None, dtype: DTypeLike) -> Header:
     """The header of the same picture in uint8, uint16 or float32, whose range of samples is that of the type. Nodata

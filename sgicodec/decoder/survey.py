@@ -6,8 +6,6 @@ from typing import NamedTuple
 
 from sgicodec import _native
 
-__all__ = ["Survey", "survey_of"]
-
 _PARTS = (
     *("steps", "base", "positions", "decoders", "hash grid", "context model"),
     *("colour", "shape", "feature", "scales", "offset", "restoration", "texture", "check"),

@@ -8,8 +8,6 @@ from sgicodec.bitstream.header import Header
 from sgicodec.decoder.view import View
 from sgicodec.metadata.blobs import Metadata
 
-__all__ = ["view_metadata"]
-
 
 def view_metadata(found: Metadata, sample_type: str, header: Header, view: View) -> Metadata:
     """The metadata of what a view shows, in samples as of `header`, from those of a stream of `sample_type`."""

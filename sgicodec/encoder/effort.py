@@ -13,17 +13,6 @@ from sgicodec.profiles.default import DEFAULT_LMBDA
 from sgicodec.rdoq import RdoqSettings
 from sgicodec.rdoq.texture import NO_SPLIT_SEARCH, SPLIT_SEARCH_MARGIN
 
-__all__ = [
-    "DEFAULT_EFFORT",
-    "PLAIN_STEPS",
-    "PSNR_STEPS",
-    "VISUAL_STEPS",
-    "Effort",
-    "Tune",
-    "effort_of",
-    "steps_of",
-]
-
 Tune = Literal["psnr", "visual"]
 """Least squared error or the eye."""
 

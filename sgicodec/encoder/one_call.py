@@ -17,8 +17,6 @@ from sgicodec.image.conversion import as_picture
 from sgicodec.image.source import open_to_encode
 from sgicodec.image.used_range import RangeChoice
 
-__all__ = ["encode", "imwrite"]
-
 
 def encode(
     image: object,

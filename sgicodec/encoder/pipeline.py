@@ -32,8 +32,6 @@ from sgicodec.picture import Picture
 if TYPE_CHECKING:
     from sgicodec.image.source import Source
 
-__all__ = ["Encoded", "encode_all_channels", "encode_picture"]
-
 
 @dataclass(frozen=True)
 class Encoded:

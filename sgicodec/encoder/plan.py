@@ -31,8 +31,6 @@ from sgicodec.profiles.fit_settings import FitSettings
 from sgicodec.rate_control.target import TARGETS
 from sgicodec.version import __version__
 
-__all__ = ["Plan", "Shape", "check_clipped", "stream_plan"]
-
 
 @dataclass(frozen=True)
 class Shape:

@@ -12,8 +12,6 @@ from sgicodec.encoder.tile.writing import EncodedTile
 from sgicodec.executors.executor import Memory
 from sgicodec.model.tile_grid import Rect
 
-__all__ = ["NullListener", "PassState"]
-
 
 @dataclass
 class PassState:

@@ -13,19 +13,14 @@ from itertools import product
 from math import ceil
 
 import numpy as np
-from numpy.typing import NDArray
 
+from sgicodec.arrays import F32, F64
 from sgicodec.bitstream.header import Masked
 from sgicodec.encoder.input.nodata import empty_pixels
 from sgicodec.encoder.input.windows import Windows
 from sgicodec.encoder.plan import Plan
 from sgicodec.picture import Picture, exact_samples, nodata_samples, to_unit
 from sgicodec.rate_control.quality_search import QUALITY_PER_OCTAVE
-
-__all__ = ["CalibratedSteps", "log_gradients", "quality_offset", "with_quality_calibration"]
-
-F32 = NDArray[np.float32]
-F64 = NDArray[np.float64]
 
 _PLANES = {"luma": np.array([0.25, 0.625, 0.125], np.float32), "green": np.array([-0.5, 1.0, -0.5], np.float32)}
 _FEATURES = (("luma", 0, 5.7, -5.56), ("luma", 2, -5.2, -5.09), ("green", 2, 2.2, -7.56), ("green", 4, -1.5, -7.37))

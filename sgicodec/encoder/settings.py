@@ -18,9 +18,7 @@ from sgicodec.profiles.fit_settings import FitSettings
 from sgicodec.profiles.paper import PAPER_STEPS, paper_settings, paper_spec
 from sgicodec.rate_control.target import TARGETS, RateTarget
 
-__all__ = ["APRON", "TILE", "EncodeSettings", "refuse_several_goals"]
-
-TILE, MAX_PIXELS_OF_ONE, MAX_SIDE_OF_ONE = 1024, 1 << 22, 1 << 14
+TILE, _MAX_PIXELS_OF_ONE, _MAX_SIDE_OF_ONE = 1024, 1 << 22, 1 << 14
 """Pixels of a tile's side, where nothing else is asked for, and those of the largest picture that is then one tile, and
 of its longer side: the base layer is fitted by a solve that takes the cube of it."""
 
@@ -155,7 +153,7 @@ class EncodeSettings:
         """The tiles of a picture."""
         tile = self.tile
         if tile is None:
-            large = width * height > MAX_PIXELS_OF_ONE or max(width, height) > MAX_SIDE_OF_ONE
+            large = width * height > _MAX_PIXELS_OF_ONE or max(width, height) > _MAX_SIDE_OF_ONE
             tile = TILE if large else 0
         if not tile or max(width, height) <= tile:
             return TileGrid(width, height, 0, 0)

@@ -31,8 +31,6 @@ from sgicodec.profiles.default import lmbda_of_quality
 from sgicodec.rate_control.quality_search import searched_quality
 from sgicodec.rate_control.target import RateTarget
 
-__all__ = ["Finished", "Request", "Streams"]
-
 _SEED_QUALITIES = 4
 """Steps of quality between those at which seeds beneath texture are fitted on the way to a target. Half an octave of λ
 beside that of texture costs nothing: two octaves cost 0.1 dB (docs/notes/2026-11-texture.md)."""

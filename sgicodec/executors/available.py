@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-__all__ = ["group_memory", "machine_memory"]
-
 _UNLIMITED = 1 << 60
 """What the first version of control groups states where there is no limit is some pages below 2⁶³."""
 

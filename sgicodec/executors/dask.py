@@ -12,8 +12,6 @@ from sgicodec.device import Device
 from sgicodec.errors import MissingExtraError, NoDeviceError, UsageError, require
 from sgicodec.executors.executor import Executor, Failure, Tries
 
-__all__ = ["Cluster", "open_cluster"]
-
 Job = TypeVar("Job")
 Result = TypeVar("Result")
 

@@ -11,8 +11,6 @@ from sgicodec.cuda.choice import NamedDevice
 from sgicodec.device import Device
 from sgicodec.errors import SgiError, TileFailedError
 
-__all__ = ["MIB", "Executor", "Failure", "Memory", "Tries"]
-
 Job = TypeVar("Job")
 Result = TypeVar("Result")
 

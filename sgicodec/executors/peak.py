@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import sys
 
-__all__ = ["Peaks", "own_peak"]
-
 
 def own_peak() -> int | None:
     """The largest resident size of this process in bytes; None where the system does not tell."""

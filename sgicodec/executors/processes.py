@@ -22,8 +22,6 @@ if TYPE_CHECKING:
     from multiprocessing.connection import Connection
     from multiprocessing.process import BaseProcess
 
-__all__ = ["ProcessExecutor"]
-
 Job = TypeVar("Job")
 Result = TypeVar("Result")
 

@@ -17,8 +17,6 @@ try:
 except ImportError:  # where there is no fcntl, a second program is not noticed
     fcntl = None  # type: ignore[assignment]
 
-__all__ = ["lock_of", "locked"]
-
 _TRIES = 100
 """A holder that ends removes its lock's file: whoever opened that one before looks for the next."""
 _MAX_TEXT = 300

@@ -13,8 +13,6 @@ from pathlib import Path
 
 from sgicodec.files.lock import lock_of
 
-__all__ = ["scratch_folder"]
-
 _PREFIX = f".sgicodec-{zlib.crc32(platform.node().encode()):08x}-"
 """Names the machine: locks may not reach from one to another that shares the disk."""
 

@@ -11,8 +11,6 @@ from typing import BinaryIO
 
 from sgicodec.files.scratch import scratch_folder
 
-__all__ = ["put_in_place", "whole_file"]
-
 
 @contextlib.contextmanager
 def whole_file(path: Path) -> Iterator[BinaryIO]:

@@ -9,11 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec import _native
+from sgicodec.arrays import F32
 from sgicodec.device import ONE_THREAD, Device
-
-__all__ = ["Adam"]
-
-F32 = NDArray[np.float32]
 
 
 @dataclass

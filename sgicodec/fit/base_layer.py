@@ -7,13 +7,10 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from sgicodec.arrays import F32
 from sgicodec.model.base import base_colours, base_step, fit_base, render_base
 from sgicodec.model.quantization import step_index
 from sgicodec.model.spec import ModelSpec
-
-__all__ = ["base_layer"]
-
-F32 = NDArray[np.float32]
 
 
 def base_layer(spec: ModelSpec, unit: F32, lmbda: float) -> tuple[int, NDArray[np.int64], F32]:

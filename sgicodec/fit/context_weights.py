@@ -7,17 +7,12 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from sgicodec.arrays import F32, I64
 from sgicodec.fit.weight_bits import price_slope
 from sgicodec.model.context import network_shapes, output_count
 from sgicodec.model.network import IntNetwork
 from sgicodec.model.spec import ModelSpec
-
-__all__ = ["ContextWeights", "float_weights", "shaped"]
-
-F32 = NDArray[np.float32]
-I64 = NDArray[np.int64]
 
 WEIGHT_SHIFT = 6
 """Weights of an MLP_p that trains are multiples of 2^-6 (docs/notes/2026-11-paper-profile.md)."""
@@ -26,7 +21,7 @@ FINER = 0.3125
 """Octaves by which the steps of a fit are finer than those of its stream: symbols that RDOQ finds want coarser ones
 than the noise that they were trained with (docs/notes/2026-11-rdoq.md)."""
 
-HASH_START = 1e-4
+_HASH_START = 1e-4
 """θ of the hash grid starts within ± this: near enough to 0 that a sign can turn while the rate counts
 (docs/notes/2026-11-paper-profile.md)."""
 
@@ -62,7 +57,7 @@ class ContextWeights:
         second = rng.standard_normal(math.prod(w2), np.float32) * np.float32(0.1 / w2[1] ** 0.5)
         self.rest: F32 = np.concatenate([np.zeros(b1, np.float32), second, np.zeros(b2, np.float32)])
         self._tables = [(count // spec.context.hash_features, spec.context.hash_features) for count in hash_counts]
-        self.tables: F32 = (rng.random(sum(hash_counts), np.float32) * 2 - 1) * np.float32(HASH_START)
+        self.tables: F32 = (rng.random(sum(hash_counts), np.float32) * 2 - 1) * np.float32(_HASH_START)
 
     def trained(self) -> dict[str, F32]:
         """What trains, by name."""

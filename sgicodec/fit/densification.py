@@ -3,14 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from sgicodec.arrays import F32, Mask
 from sgicodec.model.layout import ROOT_LOG, CellSums, SeedLayout
-
-__all__ = ["worthwhile_cells"]
-
-F32 = NDArray[np.float32]
-Mask = NDArray[np.bool_]
 
 
 def worthwhile_cells(sums: CellSums, layout: SeedLayout, price: float) -> tuple[SeedLayout, F32]:

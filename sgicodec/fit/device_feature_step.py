@@ -7,7 +7,6 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sgicodec import _native
 from sgicodec.cuda import sources
@@ -24,11 +23,7 @@ from sgicodec.model.spec import ModelSpec
 from sgicodec.profiles.fit_settings import FitSettings
 from sgicodec.raster.cuda import CudaRasterizer
 
-__all__ = ["DeviceFeatureStep"]
-
-F32 = NDArray[np.float32]
-
-SEED_THREADS = sources.constants("cuda/fit/features.hpp")["kFeatureThreads"]
+_SEED_THREADS = sources.constants("cuda/fit/features.hpp")["kFeatureThreads"]
 _GAUSSIANS = ("means", "covariances", "colours")
 
 
@@ -85,7 +80,7 @@ class DeviceFeatureStep(FeatureStep):
         self._over_seeds("price_features", arguments)
         if given.priced:
             networks.backward("context", self._rows("context"))
-            self.gpu.launch("descend_tables", -(-len(given.tables) // SEED_THREADS), SEED_THREADS, arguments)
+            self.gpu.launch("descend_tables", -(-len(given.tables) // _SEED_THREADS), _SEED_THREADS, arguments)
         return self._outputs(given, error)
 
     def _take(self, given: FeatureInputs, scale: float) -> ctypes.Structure:
@@ -143,7 +138,7 @@ class DeviceFeatureStep(FeatureStep):
         return FeatureOutputs(error, bits, (feature, scales, offset), self._networks.sums(), tables)
 
     def _over_seeds(self, kernel: str, arguments: ctypes.Structure) -> None:
-        self.gpu.launch(kernel, -(-self.count // SEED_THREADS), SEED_THREADS, arguments)
+        self.gpu.launch(kernel, -(-self.count // _SEED_THREADS), _SEED_THREADS, arguments)
 
     def _rows(self, name: str) -> Activations:
         """Of a network. Gradients of what the decoders see are added up."""

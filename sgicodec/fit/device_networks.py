@@ -6,8 +6,8 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from sgicodec.arrays import F32
 from sgicodec.cuda import sources
 from sgicodec.cuda.gpu import Gpu, GpuArray
 from sgicodec.cuda.structures import structures
@@ -15,17 +15,13 @@ from sgicodec.model.context import network_shapes
 from sgicodec.model.gaussians import decoder_shapes
 from sgicodec.model.spec import ModelSpec
 
-__all__ = ["DECODERS", "Activations", "DeviceNetworks"]
-
-F32 = NDArray[np.float32]
-
 DECODERS = ("colour", "shape")
 """MLP_c and MLP_Σ; MLP_p is `context`."""
 
 _SIZES = sources.constants("cuda/fit/rows.hpp")
-SUM_THREADS, SUM_SIDE = _SIZES["kSumThreads"], _SIZES["kSumSide"]
-PRODUCT_THREADS, PRODUCT_ROWS = _SIZES["kProductThreads"], _SIZES["kProductRows"]
-MAX_CHUNKS, MIN_CHUNK = 64, 128
+_SUM_THREADS, _SUM_SIDE = _SIZES["kSumThreads"], _SIZES["kSumSide"]
+_PRODUCT_THREADS, _PRODUCT_ROWS = _SIZES["kProductThreads"], _SIZES["kProductRows"]
+_MAX_CHUNKS, _MIN_CHUNK = 64, 128
 """Rows of sums over seeds, and of how many seeds one is at least."""
 
 
@@ -66,7 +62,7 @@ class DeviceNetworks:
         for name in (*DECODERS, "context"):
             sizes = [(shapes[f"{name}.w{n}"], starts[f"{name}.w{n}"], starts[f"{name}.b{n}"]) for n in (1, 2)]
             self._layers[name] = [_Layer(rows, columns, w, b) for (rows, columns), w, b in sizes]
-        self._chunk = MIN_CHUNK * -(-count // (MIN_CHUNK * MAX_CHUNKS))
+        self._chunk = _MIN_CHUNK * -(-count // (_MIN_CHUNK * _MAX_CHUNKS))
         self._chunks = -(-count // self._chunk)
         self._weights: GpuArray | None = None
 
@@ -94,7 +90,7 @@ class DeviceNetworks:
     def sums(self) -> F32:
         """Gradients of all weights, after the way back of each network."""
         given = self._summed(rows=0)
-        self.gpu.launch("sum_partials", -(-given.width // PRODUCT_THREADS), PRODUCT_THREADS, given)
+        self.gpu.launch("sum_partials", -(-given.width // _PRODUCT_THREADS), _PRODUCT_THREADS, given)
         return self._total.download()
 
     def _multiply(self, layer: _Layer, given: GpuArray, out: GpuArray, clips: int = 0) -> None:
@@ -116,13 +112,13 @@ class DeviceNetworks:
             count=self.count,
             **how,
         )
-        blocks = -(-self.count // PRODUCT_THREADS) * -(-rows // PRODUCT_ROWS)
-        self.gpu.launch("multiply_rows", blocks, PRODUCT_THREADS, arguments)
+        blocks = -(-self.count // _PRODUCT_THREADS) * -(-rows // _PRODUCT_ROWS)
+        self.gpu.launch("multiply_rows", blocks, _PRODUCT_THREADS, arguments)
 
     def _sum(self, layer: _Layer, up: GpuArray, given: GpuArray) -> None:
         arguments = self._summed(up=up.address, input=given.address, row_step=layer.columns, **layer._asdict())
-        blocks = self._chunks * -(-layer.rows // SUM_SIDE) * -(-(layer.columns + 1) // SUM_SIDE)
-        self.gpu.launch("sum_products", blocks, SUM_THREADS, arguments)
+        blocks = self._chunks * -(-layer.rows // _SUM_SIDE) * -(-(layer.columns + 1) // _SUM_SIDE)
+        self.gpu.launch("sum_products", blocks, _SUM_THREADS, arguments)
 
     def _summed(self, **fields: int) -> Any:
         return structures()["SumArguments"](

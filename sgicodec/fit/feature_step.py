@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sgicodec import _native
+from sgicodec.arrays import F32
 from sgicodec.device import Device
 from sgicodec.fit.noise import NoiseKey
 from sgicodec.fit.parameters import Parameters, StepResult
@@ -20,10 +20,6 @@ from sgicodec.model.layout import SeedLayout
 from sgicodec.model.spec import ModelSpec
 from sgicodec.profiles.fit_settings import FitSettings, Rounding
 from sgicodec.raster.backend import Backend, Errors
-
-__all__ = ["MIN_SAMPLED", "FeatureInputs", "FeatureOutputs", "FeatureStep"]
-
-F32 = NDArray[np.float32]
 
 MIN_SAMPLED = 1000
 """Seeds whose bits are counted in a step, where there are as many: 5 % of few seeds are too few to learn from

@@ -5,18 +5,14 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from sgicodec.arrays import F32
 from sgicodec.model.distinct import distinct
 from sgicodec.model.gaussians import decoder_shapes
 from sgicodec.model.layout import ROOT_LOG, SeedLayout, cell_sums
 from sgicodec.model.spec import ModelSpec
 
-__all__ = ["CellMeans", "fresh_decoders", "fresh_values"]
-
-F32 = NDArray[np.float32]
-
-OFFSET_SPREAD = 0.6
+_OFFSET_SPREAD = 0.6
 """Of the K Gaussians of a seed at the start, in units of s_o. All seeds begin with the same offsets, so that MLP_p can
 say where they are: drawn at random they cost 8 % more bytes for 0.6 dB less (docs/notes/2026-11-paper-profile.md)."""
 
@@ -25,7 +21,7 @@ def fresh_values(spec: ModelSpec, mean: F32, pixels: int) -> dict[str, F32]:
     """Attributes by group [n, size] of seeds whose cells hold `mean` [n, C], in a picture of `pixels` pixels.
 
     A seed that holds one starts as a round Gaussian of half its cell and most of its cell's mean colour; others at
-    f = 0 as published, with scales that cover the picture. K > 1 Gaussians start apart, by `OFFSET_SPREAD`.
+    f = 0 as published, with scales that cover the picture. K > 1 Gaussians start apart, by `_OFFSET_SPREAD`.
     """
     n = len(mean)
     values = {group.name: np.zeros((n, group.size), np.float32) for group in spec.groups}
@@ -40,9 +36,9 @@ def fresh_values(spec: ModelSpec, mean: F32, pixels: int) -> dict[str, F32]:
 
 
 def _spiral(count: int) -> F32:
-    """Points [count, 2] evenly over a disc around 0, with a standard deviation of `OFFSET_SPREAD` along each axis."""
+    """Points [count, 2] evenly over a disc around 0, with a standard deviation of `_OFFSET_SPREAD` along each axis."""
     number = np.arange(count) + 0.5
-    angle, radius = number * math.pi * (3 - math.sqrt(5)), 2 * OFFSET_SPREAD * np.sqrt(number / count)
+    angle, radius = number * math.pi * (3 - math.sqrt(5)), 2 * _OFFSET_SPREAD * np.sqrt(number / count)
     return np.stack([radius * np.cos(angle), radius * np.sin(angle)], axis=1).astype(np.float32)
 
 

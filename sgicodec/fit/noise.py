@@ -7,8 +7,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["NoiseKey", "hashed_noise"]
-
 
 class NoiseKey(NamedTuple):
     """What noise is a hash of, in 32 bits; `negative` for that noise with its signs turned."""

@@ -5,18 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Protocol
 
-import numpy as np
-from numpy.typing import NDArray
-
+from sgicodec.arrays import F32
 from sgicodec.fit.context_weights import ContextWeights
 from sgicodec.fit.pyramid import PyramidLevel
 from sgicodec.fit.seed_set import SeedSet
 from sgicodec.model.layout import SeedLayout
 from sgicodec.profiles.fit_settings import Rounding
-
-__all__ = ["GradientStep", "Parameters", "StepResult", "learning_rate_of"]
-
-F32 = NDArray[np.float32]
 
 
 @dataclass

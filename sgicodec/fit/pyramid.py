@@ -5,13 +5,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sgicodec._native import halved
-
-__all__ = ["PyramidLevel", "max_level", "pyramid", "pyramid_levels"]
-
-F32 = NDArray[np.float32]
+from sgicodec.arrays import F32
 
 
 class PyramidLevel(NamedTuple):
@@ -24,13 +20,13 @@ class PyramidLevel(NamedTuple):
     weights: F32 | None = None
 
 
-MIN_SIDE = 16
+_MIN_SIDE = 16
 """Pixels of the shorter side of a level that says something of a picture."""
 
 
 def max_level(width: int, height: int) -> int:
     """The smallest level that a fit of a picture may begin at."""
-    return max(0, (min(width, height) // MIN_SIDE).bit_length() - 1)
+    return max(0, (min(width, height) // _MIN_SIDE).bit_length() - 1)
 
 
 def pyramid_levels(target: F32, weights: F32 | None, count: int) -> list[PyramidLevel]:

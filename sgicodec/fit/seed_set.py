@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from sgicodec.arrays import F32
 from sgicodec.device import Device
 from sgicodec.fit.adam import Adam
 from sgicodec.fit.initialization import CellMeans, fresh_decoders, fresh_values
@@ -16,10 +17,6 @@ from sgicodec.fit.weight_bits import decoder_shift
 from sgicodec.model.gaussians import decoder_parts, model_gaussians
 from sgicodec.model.layout import SeedLayout
 from sgicodec.model.spec import ModelSpec
-
-__all__ = ["SeedSet", "coded_values"]
-
-F32 = NDArray[np.float32]
 
 
 def coded_values(values: Mapping[str, Any], xp: Any) -> dict[str, Any]:

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sgicodec import _native
+from sgicodec.arrays import F32
 from sgicodec.device import Device
 from sgicodec.fit.context_weights import float_weights
 from sgicodec.fit.noise import NoiseKey
@@ -20,10 +20,6 @@ from sgicodec.model.network import IntNetwork
 from sgicodec.model.spec import ModelSpec
 from sgicodec.profiles.fit_settings import Rounding
 from sgicodec.raster.backend import Backend
-
-__all__ = ["REFRESH", "ROUNDINGS", "SeedStep"]
-
-F32 = NDArray[np.float32]
 
 ROUNDINGS: dict[Rounding, int] = {"none": 0, "noise": 1, "round": 2}
 _GROUPS = ("colour", "shape", "offset")

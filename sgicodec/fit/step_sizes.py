@@ -3,16 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from sgicodec.arrays import F32
 from sgicodec.model.context import LEVELS, output_count
 from sgicodec.model.quantization import PER_OCTAVE, STEP_COUNT, STEP_ZERO
 from sgicodec.model.spec import ModelSpec
 from sgicodec.model.steps import GAMMA_BITS, StepPlan, follows_amplitude
-
-__all__ = ["base_counts", "flat_steps", "gamma_names", "rounded_plan"]
-
-F32 = NDArray[np.float32]
 
 
 def base_counts(spec: ModelSpec) -> list[int]:

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from sgicodec.arrays import F32
 from sgicodec.device import ALL_CORES, Device
 from sgicodec.fit.adam import Adam
 from sgicodec.fit.context_weights import ContextWeights
@@ -28,10 +29,6 @@ from sgicodec.model.steps import StepPlan, default_plan, quality_index
 from sgicodec.profiles.fit_settings import SLOWED, FitSettings, Phase
 from sgicodec.raster import backend_of
 from sgicodec.raster.cpu import NativeRasterizer
-
-__all__ = ["Fitted", "Progress", "Trainer", "due"]
-
-F32 = NDArray[np.float32]
 
 
 @dataclass(frozen=True)

@@ -5,13 +5,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from sgicodec.arrays import F32
 from sgicodec.fit.noise import NoiseKey, hashed_noise
-
-__all__ = ["ADDED_UNITS", "decoder_shift", "price_slope", "with_weight_noise"]
-
-F32 = NDArray[np.float32]
 
 ADDED_UNITS = 0.05
 """Units that are added to a mean magnitude, so that an array of zeros has a price."""

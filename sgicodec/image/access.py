@@ -2,18 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
-import numpy.typing as npt
 
+from sgicodec.arrays import Samples
 from sgicodec.errors import PictureError
 from sgicodec.image.opened import Opened
 from sgicodec.metadata.orientation import is_flipped, is_sideways
-
-__all__ = ["MAX_KEPT", "KeptRows", "Rows", "Tiles", "access", "whole"]
-
-Samples = npt.NDArray[Any]
 
 _CHUNK_SAMPLES = 1 << 22
 """Samples that are asked of OpenImageIO at once, on top of the band that they go to. Its Python binding holds them

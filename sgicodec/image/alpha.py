@@ -6,14 +6,9 @@ forgotten.
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
-import numpy.typing as npt
 
-__all__ = ["associate", "is_clipped", "unassociate"]
-
-Samples = npt.NDArray[Any]
+from sgicodec.arrays import Samples
 
 
 def unassociate(pixels: Samples) -> Samples:

@@ -16,8 +16,6 @@ from sgicodec.metadata.filebytes import FileBytes
 from sgicodec.metadata.orientation import is_sideways, upright
 from sgicodec.picture import Metadata
 
-__all__ = ["AvifReader"]
-
 
 class AvifReader(DecodedPicture):
     """An open file: its primary picture, cropped and turned as the file says; 10 and 12 bits become 16."""

@@ -6,8 +6,6 @@ import os
 import re
 from pathlib import Path
 
-__all__ = ["files_beside"]
-
 _IDLE = re.compile(
     rb"""<Metadata\s+domain="IMAGE_STRUCTURE".*?</Metadata>|<MDI\s+key="(?:STATISTICS_|AREA_OR_POINT")""", re.DOTALL
 )

@@ -11,8 +11,6 @@ from sgicodec.metadata import geo, ifd, jp2, jxl, photoshop
 from sgicodec.metadata.filebytes import Bytes
 from sgicodec.metadata.gdal_items import last_colour
 
-__all__ = ["AsIs", "Channels", "Last", "declared_channels"]
-
 Last = Literal["alpha", "band", "unused"]
 """What the last of two or four channels is: alpha, a band like the others, or bytes without a meaning."""
 

@@ -23,8 +23,6 @@ from sgicodec.metadata.layouts import LAYOUTS, alpha_index
 from sgicodec.metadata.motion import Motion
 from sgicodec.picture import Metadata, Picture, full_range
 
-__all__ = ["array_picture", "as_picture", "pillow_picture"]
-
 _LAYOUT_OF_COUNT = {count: name for name, count in LAYOUTS.items()}
 
 

@@ -16,8 +16,6 @@ from sgicodec.picture import Metadata
 if TYPE_CHECKING:
     from OpenImageIO import ImageSpec
 
-__all__ = ["DecodedPicture", "Reader", "stated_metadata", "stretched"]
-
 _NAMES = {1: ("Y",), 2: ("Y", "A"), 3: ("R", "G", "B"), 4: ("R", "G", "B", "A")}
 
 

@@ -13,8 +13,6 @@ from sgicodec.metadata.layouts import LAYOUTS
 if TYPE_CHECKING:
     from sgicodec.image.header import Probe
 
-__all__ = ["FORMATS", "Format", "find"]
-
 _ALL = (*LAYOUTS, "multi")
 _NO_ALPHA = ("gray", "rgb")
 _DEPTH_NAMES = {"uint8": "8 bits", "uint16": "16 bits", "float32": "32-bit float"}

@@ -8,8 +8,6 @@ from pathlib import Path
 from sgicodec.errors import has_library
 from sgicodec.metadata import tiff
 
-__all__ = ["place_by_gdal"]
-
 _ENVIRONMENT = {"GDAL_DISABLE_READDIR_ON_OPEN": "EMPTY_DIR", "GDAL_PAM_ENABLED": False}
 """Files beside the picture say nothing of it."""
 

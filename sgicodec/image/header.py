@@ -15,21 +15,6 @@ from sgicodec.metadata.orientation import is_sideways
 if TYPE_CHECKING:
     from OpenImageIO import ImageSpec
 
-__all__ = [
-    "ALREADY_UPRIGHT",
-    "MAX_SAMPLES",
-    "Probe",
-    "band_colours",
-    "has_own_numbers",
-    "header",
-    "holds_shifted_uint16",
-    "is_associated",
-    "is_white_zero",
-    "number_as_read",
-    "orientation",
-    "renumbered",
-]
-
 MAX_SAMPLES = 1 << 31
 """Default cap on width × height × channels of what is held in memory at once."""
 

@@ -11,8 +11,6 @@ from sgicodec.metadata.stated_colours import PRIMARIES, WHITE
 if TYPE_CHECKING:
     from OpenImageIO import ImageSpec
 
-__all__ = ["not_kept"]
-
 _KEPT_ELSEWHERE = {"jpeg", "jpegxl", "png", "psd", "tiff", "webp"}
 """Formats whose bytes tell (`metadata.left_behind`)."""
 _IDLE = {

@@ -14,8 +14,6 @@ from sgicodec.image.pages import check_page
 from sgicodec.metadata.left_behind import are_foreign
 from sgicodec.picture import Metadata
 
-__all__ = ["HeifReader"]
-
 _COUNTS = {"L": 1, "LA": 2, "RGB": 3, "RGBA": 4, "RGBa": 4}
 
 

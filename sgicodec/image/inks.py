@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import numpy.typing as npt
 
+from sgicodec.arrays import Samples
 from sgicodec.image.alpha import unassociate
 from sgicodec.image.decoded_picture import Reader
 from sgicodec.metadata import ifd
@@ -16,9 +16,6 @@ if TYPE_CHECKING:
 
     from sgicodec.metadata.filebytes import Bytes
 
-__all__ = ["Inks", "extra_samples", "rgb_of_inks"]
-
-Samples = npt.NDArray[Any]
 
 _INK_SET, _EXTRA_SAMPLES = 332, 338
 _CMYK, _SEPARATED = 1, 5

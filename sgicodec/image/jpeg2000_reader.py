@@ -16,8 +16,6 @@ from sgicodec.metadata.jp2 import Components
 if TYPE_CHECKING:
     from OpenImageIO import ImageSpec
 
-__all__ = ["Jpeg2000Reader"]
-
 _PROGRAM = "convert it first, as with gdal_translate IN a.tif"
 
 

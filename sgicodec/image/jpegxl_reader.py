@@ -13,8 +13,6 @@ from sgicodec.image.decoded_picture import DecodedPicture, stretched
 if TYPE_CHECKING:
     from OpenImageIO import ImageSpec
 
-__all__ = ["JpegXlReader"]
-
 _SAMPLES = {"uint8": "uint8", "uint16": "uint16", "half": "float16", "float": "float32"}
 
 

@@ -8,8 +8,6 @@ from typing import Any
 from sgicodec.device import check_room
 from sgicodec.errors import require
 
-__all__ = ["first_line", "load_openimageio"]
-
 _ROOM_MIB = 60
 
 

@@ -7,8 +7,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["narrowed"]
-
 
 def narrowed(samples: NDArray[Any], nodata: float | None = None) -> tuple[NDArray[np.float32], float]:
     """Samples as floats of 32 bits, and by how much one is off at most; what is not finite or becomes nodata is not."""

@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
-import numpy.typing as npt
 
+from sgicodec.arrays import Samples
 from sgicodec.errors import MissingExtraError, PictureError, UsageError
 from sgicodec.image.alpha import is_clipped, unassociate
 from sgicodec.image.avif_reader import AvifReader
@@ -55,9 +55,6 @@ from sgicodec.picture import Metadata
 if TYPE_CHECKING:
     from OpenImageIO import ImageInput, ImageSpec
 
-__all__ = ["Alpha", "Opened", "open_picture"]
-
-Samples = npt.NDArray[Any]
 
 _STREAM_SIGNATURE = b"\x89SGI\r\n\x1a\n"
 Alpha = Literal["auto", "band", "none"]

@@ -28,8 +28,6 @@ from sgicodec.metadata.filebytes import FileBytes
 if TYPE_CHECKING:
     from OpenImageIO import ImageInput, ImageSpec
 
-__all__ = ["by_others", "complaint", "is_openimageio", "no_size_limit", "open_image", "unread_floats"]
-
 _UNKNOWN = "could not find a format reader"
 """What OpenImageIO says of formats that it does not know."""
 _SAMPLE_FORMAT = re.compile(r"Invalid sampleformat value \((\d+)\) for (\d+) bits per sample")

@@ -16,8 +16,6 @@ from sgicodec.errors import PictureError, UsageError
 from sgicodec.image.zarr_reader import is_zarr
 from sgicodec.remote.url import file_name, is_url
 
-__all__ = ["Origin", "display_name", "has_signature", "is_utf8", "naming", "on_disk"]
-
 Origin = str | Path | BinaryIO | bytes
 
 _HEAD = 8

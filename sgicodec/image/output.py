@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import numpy.typing as npt
 
 from sgicodec._native import Drain
+from sgicodec.arrays import Samples
 from sgicodec.errors import PictureError
 from sgicodec.image.alpha import associate
 from sgicodec.image.formats import Format
@@ -21,9 +21,6 @@ from sgicodec.metadata.layouts import alpha_index
 if TYPE_CHECKING:
     from OpenImageIO import ImageSpec
 
-__all__ = ["Output"]
-
-Samples = npt.NDArray[Any]
 
 _CHANNEL_NAMES = {
     "gray": ("Y",),

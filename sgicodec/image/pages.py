@@ -15,8 +15,6 @@ from sgicodec.metadata.stacks import images
 if TYPE_CHECKING:
     from sgicodec.metadata.filebytes import Bytes
 
-__all__ = ["ONLY", "PageChoice", "check_page", "chosen_page"]
-
 _COUNTED = ("gif", "openexr", "fits")
 """Formats whose further images OpenImageIO shows, each of them a page. Those of others are layers, or the same picture
 in another size.

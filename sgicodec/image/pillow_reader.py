@@ -17,8 +17,6 @@ from sgicodec.image.pages import check_page
 if TYPE_CHECKING:
     from OpenImageIO import ImageSpec
 
-__all__ = ["PillowReader", "is_for_pillow"]
-
 _FORMATS = (
     "WEBP",
     "BMP",

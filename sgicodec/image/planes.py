@@ -7,8 +7,8 @@ from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import numpy.typing as npt
 
+from sgicodec.arrays import Samples
 from sgicodec.image.decoded_picture import Reader
 from sgicodec.metadata import geo
 from sgicodec.metadata.gdal_items import named_bands
@@ -16,10 +16,6 @@ from sgicodec.picture import Metadata
 
 if TYPE_CHECKING:
     from OpenImageIO import ImageSpec
-
-__all__ = ["Planes"]
-
-Samples = npt.NDArray[Any]
 
 
 class Planes(Reader):

@@ -23,8 +23,6 @@ from sgicodec.image.header import Probe
 from sgicodec.metadata.png import SIGNATURE, chunk, metadata_chunks
 from sgicodec.picture import Metadata
 
-__all__ = ["DEFAULT_LEVEL", "PngOutput"]
-
 DEFAULT_LEVEL = 2
 """Effort of deflate, 0 to 9. More takes a few percent off photographs in several times the time
 (docs/performance.md, "Decode")."""

@@ -12,8 +12,6 @@ from sgicodec.image.decoded_picture import DecodedPicture
 from sgicodec.image.pages import check_page
 from sgicodec.image.silence import without_libraw
 
-__all__ = ["RawReader"]
-
 _SRGB_CURVE = (2.4, 12.92)
 _TURNS = {0: 1, 3: 3, 5: 8, 6: 6}
 """Orientations by LibRaw's turns."""

@@ -20,8 +20,6 @@ from sgicodec.metadata.filebytes import FileBytes
 from sgicodec.metadata.layouts import alpha_index
 from sgicodec.picture import Picture
 
-__all__ = ["check_whole", "is_picture", "pictured", "probe", "read", "use_of"]
-
 
 def read(
     origin: Origin,

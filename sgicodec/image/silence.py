@@ -9,8 +9,6 @@ import threading
 from collections.abc import Iterator
 from pathlib import Path
 
-__all__ = ["without_libpng", "without_libraw"]
-
 _STDERR = 2
 _LOCK = threading.RLock()
 

@@ -23,8 +23,6 @@ from sgicodec.metadata import embedded
 from sgicodec.metadata.layouts import LAYOUTS
 from sgicodec.picture import Metadata
 
-__all__ = ["Sink", "Target", "open_sink"]
-
 if TYPE_CHECKING:
     from sgicodec.image.output import Output
 

@@ -21,8 +21,6 @@ from sgicodec.picture import Metadata
 if TYPE_CHECKING:
     from OpenImageIO import ImageSpec
 
-__all__ = ["SlideReader", "is_slide"]
-
 _SUFFIXES = (".ndpi", ".scn", ".bif", ".mrxs", ".vms", ".vmu", ".svslide", ".czi")
 """Files that seem to be something else: of many the first picture is a small one, or the label."""
 

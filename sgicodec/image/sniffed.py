@@ -14,8 +14,6 @@ from sgicodec.metadata import ifd
 from sgicodec.metadata.avif import is_avif
 from sgicodec.metadata.filebytes import Bytes
 
-__all__ = ["SniffedFormat", "larger_below", "sniffed_format"]
-
 
 class SniffedFormat(NamedTuple):
     """name: of the format, for HEIF and raw files that of OpenImageIO; what it is; program: that makes another picture

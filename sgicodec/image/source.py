@@ -24,8 +24,6 @@ from sgicodec.metadata.layouts import SampleRange, alpha_index
 from sgicodec.metadata.orientation import Window, stored_window
 from sgicodec.picture import Metadata, Picture
 
-__all__ = ["NO_OPACITY", "Source", "open_source", "open_to_encode"]
-
 _SCAN_SAMPLES = 1 << 22
 """Samples of a window by which the range in use is looked for."""
 

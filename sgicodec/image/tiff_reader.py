@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from sgicodec.arrays import Samples
 from sgicodec.errors import MissingExtraError, PictureError, require
 from sgicodec.image.decoded_picture import Reader
 from sgicodec.image.inks import rgb_of_inks
@@ -19,9 +20,6 @@ if TYPE_CHECKING:
 
     from sgicodec.metadata.filebytes import Bytes
 
-__all__ = ["TiffReader", "left_to_gdal"]
-
-Samples = npt.NDArray[Any]
 
 _COMPRESSION, _STRIPS, _STRIP_BYTES, _TILES, _TILE_BYTES = 259, 273, 279, 324, 325
 _PHOTOMETRIC, _SAMPLES, _COLOURS = 262, 277, 320

@@ -17,8 +17,6 @@ from sgicodec.errors import PictureError, UsageError
 from sgicodec.metadata.layouts import SampleRange, alpha_index
 from sgicodec.picture import MAX_SAMPLE, check_range, equal_samples, full_range
 
-__all__ = ["RangeChoice", "SampleUse", "UsedRange", "stated_use"]
-
 RangeChoice = Literal["used", "type"] | SampleRange
 """Which samples stand for 0 and 1: those of the range in use, of the type, or stated ones. Where nothing is chosen,
 that is the type of eight bits, and else the range in use.

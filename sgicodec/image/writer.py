@@ -6,8 +6,6 @@ from sgicodec.errors import UsageError
 from sgicodec.image.sink import Target, open_sink
 from sgicodec.picture import Picture, convert
 
-__all__ = ["write"]
-
 
 def write(
     picture: Picture,

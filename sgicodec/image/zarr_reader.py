@@ -21,8 +21,6 @@ from sgicodec.picture import Metadata
 if TYPE_CHECKING:
     from OpenImageIO import ImageSpec
 
-__all__ = ["ZarrReader", "is_zarr"]
-
 _MARKS = ("zarr.json", ".zgroup", ".zattrs", ".zarray")
 """Files that a folder of Zarr, of version 3 or 2, may hold."""
 

@@ -14,8 +14,6 @@ from sgicodec.metadata.boxes import boxes
 from sgicodec.metadata.filebytes import Bytes
 from sgicodec.metadata.orientation import Window
 
-__all__ = ["Still", "is_avif", "still"]
-
 _MAX_META = 1 << 24
 """Bytes of the box `meta`, which holds no pixels; those of EXIF and profiles may lie in it."""
 

@@ -8,8 +8,6 @@ from collections.abc import Iterator
 from sgicodec.metadata.blobs import Metadata
 from sgicodec.metadata.filebytes import Bytes
 
-__all__ = ["insert"]
-
 _FILE_HEADER, _VERSION_3, _VERSION_4 = 14, 40, 108
 _BITFIELDS, _MASKS = 3, (0xFF0000, 0xFF00, 0xFF, 0xFF000000)
 _SRGB = b"BGRs"

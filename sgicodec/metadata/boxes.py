@@ -7,8 +7,6 @@ from collections.abc import Iterator
 
 from sgicodec.metadata.filebytes import Bytes
 
-__all__ = ["boxes"]
-
 
 def boxes(data: Bytes, within: slice) -> Iterator[tuple[bytes, slice]]:
     """Kind and contents of each box. Raises struct.error for one that ends outside."""

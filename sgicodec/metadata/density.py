@@ -7,8 +7,6 @@ from typing import NamedTuple
 
 from sgicodec.metadata import geo, ifd
 
-__all__ = ["Density", "density", "of_tags", "per_inch", "tags"]
-
 _X, _Y, _UNIT = 282, 283, 296
 _NONE, _INCH, _CENTIMETRE = 1, 2, 3
 _PER_METRE = {_INCH: 1 / 0.0254, _CENTIMETRE: 100.0}

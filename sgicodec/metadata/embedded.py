@@ -18,8 +18,6 @@ from sgicodec.metadata.filebytes import Bytes, FileBytes
 from sgicodec.metadata.motion import Motion
 from sgicodec.metadata.orientation import is_sideways
 
-__all__ = ["copies", "embed", "extract", "moved", "orientation", "turned_already", "upright"]
-
 _INSERT = {"bmp": bmp.insert, "jpeg": jpeg.insert, "jpeg2000": jp2.insert, "webp": webp.insert}
 _REWRITTEN = ("bmp", "jpeg", "jpeg2000")
 """Formats whose files are rewritten even without metadata: to declare alpha, to lose what OpenImageIO puts there."""

@@ -9,8 +9,6 @@ import struct
 from sgicodec.metadata import ifd, slides
 from sgicodec.metadata.motion import Motion
 
-__all__ = ["PREFIX", "moved", "orientation", "plain", "size", "upright"]
-
 PREFIX = b"Exif\0\0"
 """What stands before the blob in JPEG, and in other files by mistake."""
 

@@ -8,8 +8,6 @@ from __future__ import annotations
 import re
 import struct
 
-__all__ = ["is_lost", "joined", "without_padding"]
-
 _HAS_EXTENSION = re.compile(
     rb"""\s[\w.-]+:HasExtendedXMP\s*=\s*["']([0-9A-Fa-f]{32})["']|"""
     rb"""<([\w.-]+:HasExtendedXMP)\s*>\s*([0-9A-Fa-f]{32})\s*</\2\s*>"""

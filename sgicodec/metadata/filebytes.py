@@ -5,8 +5,6 @@ from __future__ import annotations
 import os
 from typing import BinaryIO, overload
 
-__all__ = ["Bytes", "FileBytes"]
-
 
 class FileBytes:
     """The contents of a file opened for reading in binary. Only what is sliced is read; nothing is mapped into memory.

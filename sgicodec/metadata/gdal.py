@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import re
 
-__all__ = ["number", "without_numbers", "without_statistics"]
-
 _NUMBER = re.compile(
     rb"""\s* ([+-]?) (?:
         (?P<nan> (?:nan | 1\.\#(?:qnan|snan|ind)) (?![a-z]))

@@ -12,8 +12,6 @@ from xml.etree import ElementTree
 from sgicodec.metadata import geo, ifd
 from sgicodec.metadata.filebytes import Bytes
 
-__all__ = ["BandFacts", "band_facts", "domains", "last_colour", "named_bands", "stated_of_samples", "with_colours"]
-
 _ASCII = 2
 _NO_ITEMS = b"<GDALMetadata>\n</GDALMetadata>\0"
 _MAX_TEXT = 1 << 22

@@ -14,21 +14,8 @@ from sgicodec.metadata import gdal, ifd
 if TYPE_CHECKING:
     import numpy as np
 
-__all__ = [
-    "PLACE",
-    "RESOLUTION",
-    "TAGS",
-    "has_place",
-    "load",
-    "nodata",
-    "pack",
-    "resampled",
-    "with_nodata",
-    "without_statistics",
-]
-
 PIXEL_SCALE, TIEPOINTS, MATRIX, RPC = 33550, 33922, 34264, 50844
-KEYS, KEY_DOUBLES, KEY_TEXTS = 34735, 34736, 34737
+KEYS, _KEY_DOUBLES, KEY_TEXTS = 34735, 34736, 34737
 GDAL_METADATA, GDAL_NODATA = 42112, 42113
 
 RESOLUTION = frozenset({282, 283, 296})
@@ -36,7 +23,7 @@ RESOLUTION = frozenset({282, 283, 296})
 
 TAGS = RESOLUTION | {
     *(PIXEL_SCALE, TIEPOINTS, MATRIX, RPC),
-    *(KEYS, KEY_DOUBLES, KEY_TEXTS),
+    *(KEYS, _KEY_DOUBLES, KEY_TEXTS),
     *(GDAL_METADATA, GDAL_NODATA),
 }
 """All that a blob may hold; others are left behind."""

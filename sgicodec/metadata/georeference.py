@@ -11,8 +11,6 @@ import numpy.typing as npt
 from sgicodec.metadata import density, geo, ifd, slides
 from sgicodec.metadata.placement import transformation
 
-__all__ = ["Georeference", "Resolution", "georeference", "resolution"]
-
 _MODEL, _PROJECTED, _GEOGRAPHIC, _GEOCENTRIC = 1024, 1, 2, 3
 _EPSG_CODES = range(1024, 32767)
 """32767 stands for a system that the file defines by itself; larger ones are private."""

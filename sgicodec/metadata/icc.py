@@ -8,8 +8,6 @@ import zlib
 from sgicodec.metadata import jpeg, png
 from sgicodec.metadata.filebytes import Bytes
 
-__all__ = ["fitting", "stated"]
-
 _HEADER, _ROW, _MOST = 128, 12, 1 << 26
 _JPEG_PREFIX = b"ICC_PROFILE\0"
 _BMP_HEADER, _BMP_VERSION_5, _BMP_EMBEDDED = 14, 124, b"DEBM"

@@ -16,25 +16,6 @@ from typing import NamedTuple, Union
 
 from sgicodec.metadata.filebytes import Bytes
 
-__all__ = [
-    "EXIF_IFD",
-    "GPS_IFD",
-    "INTEROP_IFD",
-    "Directory",
-    "Entry",
-    "Layout",
-    "damage",
-    "dump",
-    "entries",
-    "first_directory",
-    "first_integer",
-    "layout",
-    "load",
-    "offset",
-    "rows",
-    "tags",
-]
-
 EXIF_IFD, GPS_IFD, INTEROP_IFD = 34665, 34853, 40965
 """Tags whose value is the offset of a subordinate directory."""
 

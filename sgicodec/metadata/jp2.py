@@ -15,18 +15,6 @@ from sgicodec.metadata.blobs import Metadata
 from sgicodec.metadata.boxes import boxes
 from sgicodec.metadata.filebytes import Bytes
 
-__all__ = [
-    "Components",
-    "colour_space",
-    "components",
-    "find",
-    "insert",
-    "is_boxed",
-    "is_jpeg2000",
-    "left_behind",
-    "states_place",
-]
-
 _SIGNATURE = b"\0\0\0\x0cjP  \r\n\x87\n"
 _GEO = bytes.fromhex("b14bf8bd083d4b43a5ae8cd7d5a6ce03")
 _XMP = bytes.fromhex("be7acfcb97a942e89c71999491e3afac")

@@ -16,8 +16,6 @@ from sgicodec.metadata.blobs import Metadata
 from sgicodec.metadata.density import Density
 from sgicodec.metadata.filebytes import Bytes
 
-__all__ = ["EXTENSION_PREFIX", "SIGNATURE", "XMP_PREFIX", "end", "find", "insert", "segments"]
-
 SIGNATURE = b"\xff\xd8\xff"
 _JFIF = b"JFIF\0"
 XMP_PREFIX = b"http://ns.adobe.com/xap/1.0/\0"

@@ -12,8 +12,6 @@ from sgicodec.errors import has_library
 from sgicodec.metadata.boxes import boxes
 from sgicodec.metadata.filebytes import Bytes
 
-__all__ = ["ALPHA", "ImageHeader", "find", "has_unread", "image_header", "is_boxed"]
-
 _SIGNATURE = b"\0\0\0\x0cJXL \r\n\x87\n"
 _START = b"\xff\x0a"
 _SIDES, _SMALL_SIDE, _ORIENTATION, _RATIO = (9, 13, 18, 30), 5, 3, 3

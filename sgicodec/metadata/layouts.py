@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import math
 
-__all__ = ["LAYOUTS", "WITHOUT_ALPHA", "Level", "SampleRange", "alpha_index", "band_ranges", "range_text"]
-
 LAYOUTS = {"gray": 1, "gray+alpha": 2, "rgb": 3, "rgba": 4}
 """Channel count of each layout with a meaning; any other stack of bands is "multi"."""
 

@@ -23,8 +23,6 @@ from sgicodec.metadata import (
 )
 from sgicodec.metadata.filebytes import Bytes
 
-__all__ = ["are_foreign", "left_behind"]
-
 _INKS, _TEXTS, _COLOURS = "inks (RGB instead)", "texts", "colour space"
 _PACKED = "EXIF or XMP that Brotli compressed (the extra avif reads it)"
 _SRGB, _UNKNOWN = (1, 13), 2

@@ -7,8 +7,6 @@ from dataclasses import dataclass
 
 from sgicodec.metadata.orientation import is_flipped, is_mirrored, is_sideways
 
-__all__ = ["Motion", "scaled_ratio"]
-
 
 @dataclass(frozen=True)
 class Motion:

@@ -10,8 +10,6 @@ from xml.etree import ElementTree
 from sgicodec.metadata import ifd
 from sgicodec.metadata.filebytes import Bytes
 
-__all__ = ["ChannelPlanes", "channel_planes"]
-
 _DESCRIPTION = 270
 _MAX_TEXT, _MAX_PLANES = 1 << 24, 1 << 20
 

@@ -11,8 +11,6 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["Window", "is_flipped", "is_mirrored", "is_sideways", "stored_window", "upright"]
-
 Window = tuple[int, int, int, int]
 """x, y, width, height in pixels."""
 

@@ -10,8 +10,6 @@ from typing import BinaryIO, NamedTuple, overload
 from sgicodec.metadata import ifd
 from sgicodec.metadata.filebytes import Bytes, FileBytes
 
-__all__ = ["Page", "PageBytes", "associated_images", "has_mask", "tiff_pages"]
-
 _SUBFILE, _OLD_SUBFILE, _WIDTH, _HEIGHT, _DESCRIPTION, _TILE_WIDTH = 254, 255, 256, 257, 270, 322
 _ASKED = (_SUBFILE, _OLD_SUBFILE, _WIDTH, _HEIGHT, _TILE_WIDTH)
 _REDUCED, _MASK, _OLD_REDUCED = 1, 4, 2

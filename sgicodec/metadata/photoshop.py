@@ -11,8 +11,6 @@ from typing import NamedTuple
 from sgicodec.metadata import density
 from sgicodec.metadata.filebytes import Bytes
 
-__all__ = ["IPTC", "find", "is_multichannel", "is_psd", "left_behind", "names"]
-
 IPTC = "IPTC"
 _HEADER = struct.Struct(">4sH6xH8xHH")
 _RESOLUTION, _IPTC_BLOCK, _COPYRIGHT, _URL, _EXIF, _XMP = 1005, 1028, 1034, 1035, 1058, 1060

@@ -12,13 +12,10 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from sgicodec.arrays import F64
 from sgicodec.metadata import geo, ifd
 from sgicodec.metadata.motion import scaled_ratio
 from sgicodec.metadata.orientation import is_flipped, is_mirrored, is_sideways
-
-__all__ = ["oriented", "transformation", "view"]
-
-F64 = npt.NDArray[np.float64]
 
 _DOUBLE, _RATIONAL = 12, 5
 _RASTER_TYPE, _IS_POINT = 1025, 2

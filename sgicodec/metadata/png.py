@@ -14,8 +14,6 @@ from sgicodec.metadata.blobs import Metadata
 from sgicodec.metadata.density import Density
 from sgicodec.metadata.filebytes import Bytes
 
-__all__ = ["SIGNATURE", "chunk", "chunks", "damage", "find", "frames", "metadata_chunks"]
-
 SIGNATURE = b"\x89PNG\r\n\x1a\n"
 _XMP_KEYWORD = b"XML:com.adobe.xmp"
 _EXIF_PROFILES = (b"Raw profile type exif", b"Raw profile type APP1")

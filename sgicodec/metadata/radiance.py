@@ -5,8 +5,6 @@ from __future__ import annotations
 from sgicodec.metadata.filebytes import Bytes
 from sgicodec.metadata.stated_colours import PRIMARIES, WHITE
 
-__all__ = ["damage", "is_radiance", "left_behind"]
-
 _MOST, _NEAR = 1 << 14, 1e-3
 _XYZ = "32-bit_rle_xyze"
 _IDLE = ("FORMAT", "SOFTWARE", "CAPDATE")

@@ -5,8 +5,6 @@ from __future__ import annotations
 import math
 import re
 
-__all__ = ["magnification", "microns_per_pixel", "scaled"]
-
 _MPP = re.compile(rb"\bMPP\s*=\s*([0-9.]+)")
 _POWER = re.compile(rb"""(?:\bAppMag\s*=\s*|\bNominalMagnification=")([0-9]{1,4}(?:\.[0-9]{1,4})?)""")
 

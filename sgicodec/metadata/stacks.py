@@ -14,8 +14,6 @@ from sgicodec.metadata import ifd
 from sgicodec.metadata.density import Density
 from sgicodec.metadata.filebytes import Bytes
 
-__all__ = ["images", "left_behind", "resolution_tags", "states_shape", "without_shape"]
-
 _DESCRIPTION, _X, _Y = 270, 282, 283
 _ASCII = 2
 _CENTIMETRE, _MICRONS = 3, 10000

@@ -8,8 +8,6 @@ from collections.abc import Sequence
 from sgicodec.metadata import ifd
 from sgicodec.metadata.filebytes import Bytes
 
-__all__ = ["PRIMARIES", "TIFF_TAGS", "WHITE", "of_bmp", "of_qoi", "of_tiff"]
-
 _WHITE, _PRIMARIES, _TRANSFER, _PROFILE = 318, 319, 301, 34675
 TIFF_TAGS = {_WHITE, _PRIMARIES, _TRANSFER, _PROFILE}
 WHITE, PRIMARIES = (0.3127, 0.329), (0.64, 0.33, 0.3, 0.6, 0.15, 0.06)

@@ -14,8 +14,6 @@ from sgicodec.metadata.filebytes import Bytes, FileBytes
 from sgicodec.metadata.pages import PageBytes
 from sgicodec.metadata.stacks import states_shape, without_shape
 
-__all__ = ["DESCRIPTION", "KEPT", "XMP", "described", "find", "insert", "of_stack"]
-
 _BYTE, _SHORT = 1, 3
 _PHOTOMETRIC, _EXTRA_SAMPLES = 262, 338
 _DATETIME = 306

@@ -8,8 +8,6 @@ from collections.abc import Iterator
 from sgicodec.metadata.blobs import Metadata
 from sgicodec.metadata.filebytes import Bytes
 
-__all__ = ["chunks", "find", "insert", "is_animated", "is_webp"]
-
 _HAS_ALPHA, _HAS_EXIF, _HAS_XMP, _IS_ANIMATED = 0x10, 0x08, 0x04, 0x02
 
 

@@ -11,8 +11,6 @@ from functools import partial
 
 from sgicodec.metadata.motion import Motion
 
-__all__ = ["moved", "orientation", "upright"]
-
 _TIFF = ("tiff", b"http://ns.adobe.com/tiff/1.0/")
 _EXIF = ("exif", b"http://ns.adobe.com/exif/1.0/")
 _GPANO = ("GPano", b"http://ns.google.com/photos/1.0/panorama/")

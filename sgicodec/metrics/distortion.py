@@ -8,8 +8,6 @@ import numpy as np
 
 from sgicodec.picture import Picture, comparable, full_range
 
-__all__ = ["decibels", "squared_error"]
-
 
 def squared_error(original: Picture, decoded: Picture) -> float:
     """Squared error summed over samples in 0..1; unseen colours count nothing."""

@@ -9,8 +9,6 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["jpeg_grid", "jpeg_saving"]
-
 _SIDE = 8
 _MAX_BLOCKS = 14
 """That are looked at along each side of a tile."""

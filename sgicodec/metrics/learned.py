@@ -10,8 +10,6 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["learned_distance", "network"]
-
 
 def learned_distance(name: str, a: npt.NDArray[np.uint8], b: npt.NDArray[np.uint8]) -> float:
     """The distance of two pictures [H, W, 3] in 8-bit sRGB: 0 for equal ones.

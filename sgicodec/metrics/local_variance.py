@@ -3,13 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sgicodec import _native
-
-__all__ = ["local_variance"]
-
-F64 = NDArray[np.float64]
+from sgicodec.arrays import F64
 
 _RADIUS = 5
 """Pixels from a window's centre to its border."""

@@ -5,11 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from sgicodec.arrays import F32
 from sgicodec.metrics.local_variance import local_variance
-
-__all__ = ["masking_weights"]
-
-F32 = NDArray[np.float32]
 
 
 def masking_weights(luma: NDArray[np.float64], empty: NDArray[np.bool_] | None = None) -> F32:

@@ -19,14 +19,10 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
+from sgicodec.arrays import Rgb8
 from sgicodec.errors import SgiError
 from sgicodec.metrics.learned import learned_distance, network
-
-__all__ = ["Perceived", "butteraugli", "cvvdp", "flip", "perceived", "ssimulacra2"]
-
-Rgb8 = npt.NDArray[np.uint8]  # [H, W, 3]
 
 _COMMAND = "butteraugli_main"
 

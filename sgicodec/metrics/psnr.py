@@ -17,19 +17,6 @@ import numpy.typing as npt
 
 from sgicodec.errors import UsageError
 
-__all__ = [
-    "Pixels",
-    "Plane",
-    "bands",
-    "check_pair",
-    "difference",
-    "largest_difference",
-    "luma",
-    "peak_of",
-    "plane_psnr",
-    "psnr",
-]
-
 Pixels = npt.NDArray[Any]  # [H, W, C]
 Plane = npt.NDArray[np.float64]  # [H, W]
 

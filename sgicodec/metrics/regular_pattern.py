@@ -14,12 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec import _native
+from sgicodec.arrays import F32, F64
 from sgicodec.device import ONE_THREAD, Device
-
-__all__ = ["BLOCK", "RegularPatterns", "regular_patterns"]
-
-F32 = NDArray[np.float32]
-F64 = NDArray[np.float64]
 
 BLOCK = _native.PATTERN_BLOCK
 """Side of the blocks that are told apart, pixels."""

@@ -12,8 +12,6 @@ from sgicodec.errors import UsageError
 from sgicodec.metrics.psnr import Pixels, bands, check_pair, difference, luma, peak_of, plane_psnr, psnr
 from sgicodec.metrics.similarity import combine, scale_terms
 
-__all__ = ["Scores", "error_map", "scores"]
-
 
 @dataclass(frozen=True)
 class Scores:

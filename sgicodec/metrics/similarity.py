@@ -13,8 +13,6 @@ from scipy.ndimage import correlate1d
 
 from sgicodec.metrics.psnr import Plane, bands
 
-__all__ = ["combine", "scale_terms"]
-
 _WINDOW = 11
 _SIGMA = 1.5
 _C1 = (0.01 * 255.0) ** 2

@@ -9,16 +9,11 @@ the sides, mirrored rows above and below).
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sgicodec import _native
+from sgicodec.arrays import F32, Rgb8
 from sgicodec.device import ALL_CORES, Device
 from sgicodec.errors import UsageError
-
-__all__ = ["VisualReference", "visual_score"]
-
-F32 = NDArray[np.float32]
-Rgb8 = NDArray[np.uint8]  # [H, W, 3]
 
 
 def visual_score(original: Rgb8, decoded: Rgb8, device: Device = ALL_CORES) -> float:

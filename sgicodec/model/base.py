@@ -5,12 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from sgicodec.arrays import F32, F64
 from sgicodec.model.quantization import FRACTION_BITS, step_fixed
-
-__all__ = ["base_colours", "base_shape", "base_step", "cubic_weights", "fit_base", "render_base"]
-
-F32 = NDArray[np.float32]
-F64 = NDArray[np.float64]
 
 
 def base_shape(width: int, height: int, cell: int) -> tuple[int, int]:

@@ -3,20 +3,16 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from sgicodec.arrays import F64
 from sgicodec.model.spec import ModelSpec
 
-__all__ = ["to_channels", "to_samples"]
-
-F64 = NDArray[np.float64]
-
-LUMA = np.array([0.25, 0.625, 0.125])
+_LUMA = np.array([0.25, 0.625, 0.125])
 """Of red, green and blue (docs/notes/2026-11-luma-space.md)."""
-DIFFERENCES = 0.65, 0.5
+_DIFFERENCES = 0.65, 0.5
 """How much the two colour differences count in luma space, of what they count in red, green and blue
 (docs/notes/2026-11-luma-space.md)."""
-ENDS = np.array([1.0, 0.0, 1.0])
+_ENDS = np.array([1.0, 0.0, 1.0])
 
 
 def to_channels(spec: ModelSpec) -> F64:
@@ -28,9 +24,9 @@ def to_channels(spec: ModelSpec) -> F64:
     matrix = np.eye(spec.channels)
     if spec.channels < 3 or not spec.plain:
         return matrix
-    luma, first, second = (LUMA, *DIFFERENCES) if spec.luma_space else (np.full(3, 1 / 3), 1.0, 1.0)
+    luma, first, second = (_LUMA, *_DIFFERENCES) if spec.luma_space else (np.full(3, 1 / 3), 1.0, 1.0)
     difference = np.array([1.0, 0.0, -1.0])
-    matrix[:3, :3] = 3**0.5 * luma, first * 0.5**0.5 * difference, second * 1.5**0.5 * (2 * luma - ENDS)
+    matrix[:3, :3] = 3**0.5 * luma, first * 0.5**0.5 * difference, second * 1.5**0.5 * (2 * luma - _ENDS)
     return matrix
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sgicodec._native import (
     INPUT_BITS,
@@ -13,6 +12,7 @@ from sgicodec._native import (
     neighbours_by_pass,
     own_input_count,
 )
+from sgicodec.arrays import I32, I64
 from sgicodec.model.layout import SeedLayout
 from sgicodec.model.spec import ContextSpec, ModelSpec
 
@@ -27,9 +27,6 @@ __all__ = [
     "network_shapes",
     "output_count",
 ]
-
-I32 = NDArray[np.int32]
-I64 = NDArray[np.int64]
 
 
 def nearest_by_pass(spec: ContextSpec, layout: SeedLayout) -> list[tuple[I64, I32]]:

@@ -7,9 +7,9 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sgicodec._native import MIN_VARIANCE, SHAPE_LIMIT, seed_gaussians
+from sgicodec.arrays import F32, F64
 from sgicodec.device import Device
 from sgicodec.model.layout import SeedLayout
 from sgicodec.model.spec import ModelSpec
@@ -22,9 +22,6 @@ __all__ = [
     "gaussians_from_seeds",
     "model_gaussians",
 ]
-
-F32 = NDArray[np.float32]
-F64 = NDArray[np.float64]
 
 
 def decoder_shapes(spec: ModelSpec) -> dict[str, tuple[int, ...]]:

@@ -9,24 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec import _native
+from sgicodec.arrays import F32, F64, I32
 from sgicodec.model.distinct import distinct
 from sgicodec.model.morton import canonical_order
 
-__all__ = [
-    "ROOT_LOG",
-    "CellSums",
-    "SeedLayout",
-    "adaptive_layout",
-    "cell_sums",
-    "uniform_layout",
-]
-
 ROOT_LOG = 6
 """log2 of the side in pixels of the quadtree's root cells."""
-
-F32 = NDArray[np.float32]
-I32 = NDArray[np.int32]
-F64 = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -5,16 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sgicodec._native import HIDDEN_LIMIT, INPUT_LIMIT
+from sgicodec.arrays import I64
 from sgicodec.errors import CorruptStreamError
 from sgicodec.model.context import INPUT_BITS
 from sgicodec.model.quantization import PER_OCTAVE
-
-__all__ = ["IntNetwork"]
-
-I64 = NDArray[np.int64]
 
 EXACT = float(1 << 53)
 

@@ -16,6 +16,7 @@ from sgicodec._native import (
     STEP_COUNT,
     STEP_ZERO,
 )
+from sgicodec.arrays import F64, I64
 
 __all__ = [
     "FRACTION_BITS",
@@ -26,8 +27,6 @@ __all__ = [
     "step_index",
 ]
 
-I64 = NDArray[np.int64]
-F64 = NDArray[np.float64]
 
 # 2^(k/6) in units of 2^-40, rounded to nearest; octaves are shifts of these.
 _SIXTHS = np.array([1099511627776, 1234160073853, 1385297844439, 1554944255988, 1745365914583, 1959106999532], np.int64)

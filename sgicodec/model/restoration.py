@@ -5,14 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sgicodec._native import restoration_correction
+from sgicodec.arrays import F32
 from sgicodec.device import ONE_THREAD, Device
-
-__all__ = ["Restoration"]
-
-F32 = NDArray[np.float32]
 
 
 @dataclass(frozen=True)

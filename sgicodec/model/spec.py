@@ -6,8 +6,6 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Literal
 
-__all__ = ["ContextSpec", "Group", "ModelSpec"]
-
 Layout = Literal["adaptive", "uniform"]
 
 

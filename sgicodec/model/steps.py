@@ -6,9 +6,9 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sgicodec._native import GAMMA_BITS
+from sgicodec.arrays import I64
 from sgicodec.model.context import LEVELS, output_count
 from sgicodec.model.quantization import STEP_COUNT, STEP_ZERO, step_index
 from sgicodec.model.spec import ModelSpec
@@ -21,7 +21,6 @@ __all__ = [
     "quality_index",
 ]
 
-I64 = NDArray[np.int64]
 
 # Steps relative to the colour step of the same cell, sixths of an octave, at amplitude 2^(-20/6).
 _SHAPE_OVER_COLOUR = 26

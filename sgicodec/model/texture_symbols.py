@@ -9,25 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec._native import TEXTURE_ROOT_LOG, draw_texture
+from sgicodec.arrays import F32
 from sgicodec.device import ONE_THREAD, Device
 
-__all__ = [
-    "LAPPED",
-    "MAX_SLOPE",
-    "SAME_COLOURS",
-    "SAME_STEP",
-    "TEXTURE_STEP_COUNT",
-    "TEXTURE_STEP_ZERO",
-    "TextureGrid",
-    "TextureIndices",
-    "TextureSymbols",
-    "root_blocks",
-    "roots_of",
-    "texture_step_index",
-    "whole_roots",
-]
-
-F32 = NDArray[np.float32]
 Beyond = Literal["constant", "edge", "symmetric"]
 
 SAME_COLOURS = 32, 32, 8

@@ -7,8 +7,6 @@ from functools import cached_property
 
 from sgicodec.errors import UsageError
 
-__all__ = ["Axis", "Rect", "TileGrid"]
-
 Rect = tuple[int, int, int, int]
 """x, y, width, height in pixels."""
 

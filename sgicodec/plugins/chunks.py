@@ -14,8 +14,6 @@ from sgicodec.decoder.stream import Stream, open_stream
 from sgicodec.errors import CorruptStreamError, UsageError
 from sgicodec.picture import equal_samples
 
-__all__ = ["check_chunk", "checked_settings", "decode_chunk", "encode_chunk", "read_selection"]
-
 Shape = tuple[int, ...]
 
 
@@ -41,16 +39,16 @@ def checked_settings(settings: Mapping[str, Any]) -> dict[str, Any]:
     """
     from sgicodec.encoder.settings import EncodeSettings
 
-    unknown = settings.keys() - EncodeSettings.__dataclass_fields__.keys() - set(SAMPLE_SETTINGS)
+    unknown = settings.keys() - EncodeSettings.__dataclass_fields__.keys() - set(_SAMPLE_SETTINGS)
     if unknown:
         raise UsageError(f"there is no setting {min(unknown)!r}")
-    EncodeSettings(**{name: value for name, value in settings.items() if name not in SAMPLE_SETTINGS})
-    stated = {name: _as_json(value) if name in SAMPLE_SETTINGS else value for name, value in settings.items()}
+    EncodeSettings(**{name: value for name, value in settings.items() if name not in _SAMPLE_SETTINGS})
+    stated = {name: _as_json(value) if name in _SAMPLE_SETTINGS else value for name, value in settings.items()}
     _sample_settings(stated)
     return stated
 
 
-SAMPLE_SETTINGS = ("sample_range", "nodata")
+_SAMPLE_SETTINGS = ("sample_range", "nodata")
 """Settings that say what samples mean."""
 
 _RANGES = ("used", "type")
@@ -66,8 +64,8 @@ def _as_json(value: Any) -> Any:
 
 
 def _sample_settings(settings: Mapping[str, Any]) -> dict[str, Any]:
-    """Those of `SAMPLE_SETTINGS` that are set, as `as_picture` takes them. Raises UsageError for what is none."""
-    found = {name: settings[name] for name in SAMPLE_SETTINGS if settings.get(name) is not None}
+    """Those of `_SAMPLE_SETTINGS` that are set, as `as_picture` takes them. Raises UsageError for what is none."""
+    found = {name: settings[name] for name in _SAMPLE_SETTINGS if settings.get(name) is not None}
     try:
         if "nodata" in found:
             found["nodata"] = float(found["nodata"])
@@ -100,7 +98,7 @@ def encode_chunk(
     if "nodata" not in samples and fill is not None and _is_padded(pixels, fill):
         samples["nodata"] = fill
     picture = as_picture(pixels, channels=layout, **samples)
-    rest = {name: value for name, value in settings.items() if name not in SAMPLE_SETTINGS}
+    rest = {name: value for name, value in settings.items() if name not in _SAMPLE_SETTINGS}
     return encode_all_channels(picture, EncodeSettings(**rest))
 
 

@@ -17,8 +17,6 @@ from sgicodec.metadata.gdal_items import domains
 from sgicodec.plugins.compression import DEFLATE, Compression
 from sgicodec.plugins.pyramid import is_masked, write_levels
 
-__all__ = ["write_cog"]
-
 _CACHE_MIB = 64
 
 _OPTIONS = {

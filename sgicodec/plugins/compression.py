@@ -13,8 +13,6 @@ from sgicodec.errors import PictureError, UsageError, require
 if TYPE_CHECKING:
     import numpy as np
 
-__all__ = ["DEFLATE", "METHODS", "Compression"]
-
 
 class _Method(NamedTuple):
     """tiff: its name to tifffile; unit: what its number is, from low to high, of which `usual` is the default;

@@ -9,8 +9,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["ContentMask"]
-
 
 class ContentMask:
     """The mask of a level, gathered while its tiles pass by; compressed, as a level may be larger than memory.

@@ -7,8 +7,6 @@ from typing import Any
 from sgicodec.errors import require
 from sgicodec.plugins.level_array import level_arrays
 
-__all__ = ["levels"]
-
 
 def levels(source: Any, chunks: Any = None) -> list[Any]:
     """Arrays [H, W] of gray, else [H, W, C], of the picture, its half, its quarter … down to 256 pixels.

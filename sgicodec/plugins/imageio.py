@@ -24,8 +24,6 @@ from imageio.core.v3_plugin_api import ImageProperties, PluginV3  # noqa: E402
 from sgicodec.bitstream.container import SIGNATURE  # noqa: E402
 from sgicodec.decoder.stream import Stream, open_stream  # noqa: E402
 
-__all__ = ["SgiPlugin", "SgiReader", "register"]
-
 _READER = "sgicodec-reader"
 
 

@@ -14,8 +14,6 @@ from sgicodec.decoder.indexing import indexed_region
 from sgicodec.decoder.stream import Stream, open_stream
 from sgicodec.errors import RegionError
 
-__all__ = ["LevelArray", "level_arrays"]
-
 _CHUNK = 1024
 """Pixels along the side of a chunk, about."""
 

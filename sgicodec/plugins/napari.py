@@ -14,8 +14,6 @@ from sgicodec.metadata.layouts import band_ranges
 from sgicodec.picture import full_range
 from sgicodec.plugins.dask import levels
 
-__all__ = ["get_reader", "read"]
-
 Layer = tuple[Any, dict[str, Any], str]
 
 

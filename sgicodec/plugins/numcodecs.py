@@ -17,8 +17,6 @@ from numcodecs.compat import ensure_bytes, ndarray_copy  # noqa: E402
 from sgicodec.decoder.one_call import decode  # noqa: E402
 from sgicodec.plugins.chunks import check_chunk, checked_settings, encode_chunk  # noqa: E402
 
-__all__ = ["Sgi"]
-
 
 class Sgi(Codec):  # type: ignore[misc]
     """Codes chunks [y, x] and [y, x, c], with any axes of one before, of uint8, uint16 or float32. It is lossy.

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import re
 
-__all__ = ["is_ome_name", "is_zarr_name"]
-
 
 def is_ome_name(name: str) -> bool:
     """Whether a file of this name is OME-TIFF."""

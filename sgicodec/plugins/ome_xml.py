@@ -12,8 +12,6 @@ from sgicodec.metadata.gdal_items import band_facts
 from sgicodec.metadata.slides import magnification
 from sgicodec.metadata.tiff import DESCRIPTION, described
 
-__all__ = ["has_planes", "ome_xml"]
-
 _UUID = re.compile(r' UUID="[^"]*"')
 """Of tifffile, made of the time and the address of the machine; equal pictures are to make equal files."""
 

@@ -19,8 +19,6 @@ from sgicodec.files.scratch import scratch_folder
 from sgicodec.metadata.gdal_items import band_facts
 from sgicodec.plugins.pyramid import microns_of, strips
 
-__all__ = ["write_ome_zarr"]
-
 _CHUNK = 512
 """Side of chunks, in pixels."""
 

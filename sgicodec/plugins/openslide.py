@@ -24,8 +24,6 @@ from sgicodec.picture import Picture, nodata_mask, to_rgb8
 if TYPE_CHECKING:
     from PIL.Image import Image
 
-__all__ = ["Slide"]
-
 
 class Slide:
     """A stream as `openslide.OpenSlide` shows one. A context manager.

@@ -21,8 +21,6 @@ from sgicodec.metadata import embedded, exif  # noqa: E402
 from sgicodec.metadata.blobs import Metadata  # noqa: E402
 from sgicodec.metadata.density import density  # noqa: E402
 
-__all__ = ["FORMAT", "SgiImageFile", "register"]
-
 FORMAT = "SGICODEC"
 
 _MODES = {"gray": "L", "gray+alpha": "LA", "rgb": "RGB", "rgba": "RGBA"}

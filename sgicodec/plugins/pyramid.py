@@ -26,8 +26,6 @@ from sgicodec.plugins.ome_xml import has_planes, ome_xml
 if TYPE_CHECKING:
     from tifffile import TiffWriter
 
-__all__ = ["TILE", "is_masked", "microns_of", "strips", "write_levels", "write_pyramid"]
-
 TILE = 256
 """Side of tiles, in pixels."""
 

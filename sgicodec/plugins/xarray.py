@@ -22,8 +22,6 @@ from sgicodec.metadata.georeference import georeference, resolution  # noqa: E40
 from sgicodec.metadata.placement import transformation  # noqa: E402
 from sgicodec.plugins.level_array import LevelArray  # noqa: E402
 
-__all__ = ["SgiBackend"]
-
 _NAME = "image"
 """Of the variable."""
 

@@ -29,8 +29,6 @@ from sgicodec.plugins.chunks import (  # noqa: E402
 )
 from sgicodec.remote.range_file import BLOCK, RangeFile, Span  # noqa: E402
 
-__all__ = ["SgiCodec"]
-
 _NAME = "sgicodec"
 
 _SMALL = 4 * BLOCK

@@ -9,8 +9,6 @@ from sgicodec.model.spec import ContextSpec, ModelSpec
 from sgicodec.profiles.fit_settings import FitSettings, Phase
 from sgicodec.rate_control.quality_search import QUALITY_PER_OCTAVE
 
-__all__ = ["DEFAULT_LMBDA", "DEFAULT_QUALITY", "default_settings", "default_spec", "lmbda_of_quality"]
-
 _COARSE_SPLIT = 8.0
 """`FitSettings.split` of a coarse fit, whose first layout would have five times the seeds that stay
 (docs/notes/2026-11-ladder.md)."""
@@ -36,11 +34,11 @@ def default_spec(channels: int, texture: bool = False) -> ModelSpec:
 
 def default_settings(lmbda: float, steps: int, coarse: bool = False) -> FitSettings:
     """The `default` profile in `steps` steps. coarse: most of them at half size, for seeds beneath texture."""
-    settings = FitSettings(lmbda=lmbda, phases=default_phases(steps), reference_steps=800)
-    return replace(settings, phases=coarse_phases(steps), split=_COARSE_SPLIT) if coarse else settings
+    settings = FitSettings(lmbda=lmbda, phases=_default_phases(steps), reference_steps=800)
+    return replace(settings, phases=_coarse_phases(steps), split=_COARSE_SPLIT) if coarse else settings
 
 
-def default_phases(steps: int) -> tuple[Phase, ...]:
+def _default_phases(steps: int) -> tuple[Phase, ...]:
     """A free fit at half size, noise and rate while seeds come and go, and briefly what will really be decoded.
 
     The last phase is short because straight-through gradients lead away from the optimum that noise found. Shares and
@@ -55,14 +53,14 @@ def default_phases(steps: int) -> tuple[Phase, ...]:
     )
 
 
-def coarse_phases(steps: int) -> tuple[Phase, ...]:
+def _coarse_phases(steps: int) -> tuple[Phase, ...]:
     """The same with the free phase at a quarter of the size and most of the noise phase at half, or at a quarter and
     then at half, where a step takes a third or a ninth of the time.
 
     It suits seeds beneath texture, which are wide: those that show a few pixels want full size
     (docs/notes/2026-11-encode-speed.md; at a quarter: 2026-11-ladder.md).
     """
-    free, noisy, rounded = default_phases(steps)
+    free, noisy, rounded = _default_phases(steps)
     begin: tuple[Phase, ...]
     if steps >= _SHORT_STEPS:
         coarse = round(0.8 * noisy.steps)

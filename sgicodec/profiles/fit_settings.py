@@ -6,8 +6,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
-__all__ = ["SLOWED", "FitSettings", "LearningRates", "Phase", "Rounding"]
-
 Rounding = Literal["none", "noise", "round"]
 
 

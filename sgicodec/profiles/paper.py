@@ -8,27 +8,25 @@ from sgicodec.errors import UsageError
 from sgicodec.model.spec import ContextSpec, ModelSpec
 from sgicodec.profiles.fit_settings import FitSettings, LearningRates, Phase
 
-__all__ = ["PAPER_STEPS", "paper_parts", "paper_settings", "paper_spec"]
-
 PAPER_STEPS = 15_000
 """Of the published schedule."""
 
-MAX_FREE = 0.35
+_MAX_FREE = 0.35
 """Of a level's steps, how many are without noise where the fit is shorter than the published one
 (docs/notes/2026-11-paper-profile.md)."""
 
-RATE_SHARE = 0.4
+_RATE_SHARE = 0.4
 """Of all steps, in which bits count; a fifth as published. Steps become finer then, and PSNR rises to the end: 0.2 dB
 more in 3 % fewer bytes (docs/notes/2026-11-paper-profile.md)."""
 
-MAX_CONTEXT = 0.08
+_MAX_CONTEXT = 0.08
 """MLP_p and the hash grid learn while bits count; the learning rates of shorter fits sum to as much, up to this one
 (docs/notes/2026-11-paper-profile.md)."""
 
-EXACT_STEPS = 6.0
+_EXACT_STEPS = 6.0
 """Octaves by which base steps are below the published ones where bits have no price (λ = 0)."""
 
-FINALS = {"offset": 0.1, "decoder_colour": 0.079, "context": 0.045}
+_FINALS = {"offset": 0.1, "decoder_colour": 0.079, "context": 0.045}
 """What is left of the rates that decay: the published curves end at 1 % or less after 30,000 steps, fits at 15,000
 (docs/notes/2026-11-paper-profile.md)."""
 
@@ -69,24 +67,24 @@ def paper_settings(lmbda: float, levels: int, steps: int) -> FitSettings:
         scales=0.007,
         decoder_colour=0.008,
         decoder_shape=0.004,
-        context=min(0.005 * PAPER_STEPS / steps, MAX_CONTEXT),
+        context=min(0.005 * PAPER_STEPS / steps, _MAX_CONTEXT),
         steps=0.0,
         betas=(0.9, 0.999),
         final=1.0,
-        finals=FINALS,
+        finals=_FINALS,
         hold=0.0,
         decay="exponential",
     )
-    phases = paper_phases(levels, steps, lmbda > 0)
-    finer = 0.0 if lmbda else EXACT_STEPS
+    phases = _paper_phases(levels, steps, lmbda > 0)
+    finer = 0.0 if lmbda else _EXACT_STEPS
     return FitSettings(lmbda, phases, rates, rate_sample=0.05, prune=0.0, finer_steps=finer)
 
 
-def paper_phases(levels: int, steps: int, priced: bool = True) -> tuple[Phase, ...]:
-    """The published schedule for M pyramid levels: each begins without noise; bits count in the last `RATE_SHARE`.
+def _paper_phases(levels: int, steps: int, priced: bool = True) -> tuple[Phase, ...]:
+    """The published schedule for M pyramid levels: each begins without noise; bits count in the last `_RATE_SHARE`.
 
     Without noise are a tenth of the published length of a level (300, 600 and 600 steps for M = 3), in a shorter fit
-    as many steps, but at most `MAX_FREE` of the level: features cannot leave the noise before they are as large.
+    as many steps, but at most `_MAX_FREE` of the level: features cannot leave the noise before they are as large.
     Where bits have no price there is no noise at all.
     """
     parts = {1: (1.0,), 2: (0.6, 0.4), 3: (0.2, 0.4, 0.4), 4: (0.1, 0.2, 0.3, 0.4)}
@@ -95,9 +93,9 @@ def paper_phases(levels: int, steps: int, priced: bool = True) -> tuple[Phase, .
     phases: list[Phase] = []
     for index, part in enumerate(parts[levels]):
         level, count = levels - 1 - index, round(part * steps)
-        free = round(min(0.1 * part * PAPER_STEPS, MAX_FREE * part * steps)) if priced else count
+        free = round(min(0.1 * part * PAPER_STEPS, _MAX_FREE * part * steps)) if priced else count
         free = min(count, max(1, free))
-        last = min(count - free, round(RATE_SHARE * steps)) if level == 0 else 0
+        last = min(count - free, round(_RATE_SHARE * steps)) if level == 0 else 0
         phases += [Phase(free, level), Phase(count - free - last, level, "noise")]
         phases += [Phase(last, level, "noise", rate=True, learn_steps=True)]
     return tuple(phase for phase in phases if phase.steps > 0) or (Phase(steps),)  # too few to share out

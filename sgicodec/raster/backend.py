@@ -4,12 +4,7 @@ from __future__ import annotations
 
 from typing import Literal, NamedTuple, Protocol
 
-import numpy as np
-from numpy.typing import NDArray
-
-__all__ = ["DEFAULT_CUTOFF", "Backend", "Errors", "Loss"]
-
-F32 = NDArray[np.float32]
+from sgicodec.arrays import F32
 
 DEFAULT_CUTOFF = 3.5
 """Standard deviations after which a Gaussian is not drawn: exp(−3.5²/2) = 0.0022 of its amplitude."""

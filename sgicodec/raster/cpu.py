@@ -3,16 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sgicodec import _native
+from sgicodec.arrays import F32
 from sgicodec.device import ALL_CORES, PROCESSOR, Device
 from sgicodec.raster.backend import DEFAULT_CUTOFF, Errors, Loss
-
-__all__ = ["NativeRasterizer"]
-
-F32 = NDArray[np.float32]
-
 
 MAX_PAIRS = 1 << 28
 """A sound picture has a few pairs per Gaussian."""

@@ -4,18 +4,15 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
 from numpy.typing import NDArray
 
+from sgicodec.arrays import F32
 from sgicodec.cuda.gpu import Gpu, GpuArray
 from sgicodec.cuda.tiles import MAX_CHANNELS, CudaView, TilePasses
 from sgicodec.errors import UsageError
 from sgicodec.raster.backend import DEFAULT_CUTOFF, Errors, Loss
 from sgicodec.raster.cpu import MAX_PAIRS
 
-__all__ = ["CudaRasterizer"]
-
-F32 = NDArray[np.float32]
 Gaussians = tuple[F32, F32, F32]
 
 

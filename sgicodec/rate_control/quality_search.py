@@ -8,20 +8,18 @@ from collections.abc import Callable
 
 from sgicodec.rate_control.target import RateTarget
 
-__all__ = ["MAX_QUALITY", "MIN_QUALITY", "QUALITY_PER_OCTAVE", "searched_quality"]
-
-FIRST_QUALITY = 50.0
+_FIRST_QUALITY = 50.0
 MIN_QUALITY, MAX_QUALITY = -23.0, 146.0
 """Where λ is 4 and 2 · 10^-6: beyond what a user may name, for targets that lie there."""
 QUALITY_PER_OCTAVE = 8.0
 """Steps of quality that halve λ."""
-MAX_DRAFTS, MAX_STREAMS = 3, 12
-NEAR, MAX_MOVE = 3.0, 48.0
+_MAX_DRAFTS, MAX_STREAMS = 3, 12
+_NEAR, _MAX_MOVE = 3.0, 48.0
 """Steps of quality between two drafts below which no other is worth its time, and the most from one stream to the next
 while the target lies beyond all."""
-RESOLUTIONS = 0.05, 0.01
+_RESOLUTIONS = 0.05, 0.01
 """Qualities that are tried are multiples of these: of the second where that of the first was tried already."""
-MIN_SLOPE, MAX_SLOPE = 1 / 24, 1 / 3
+_MIN_SLOPE, _MAX_SLOPE = 1 / 24, 1 / 3
 """Octaves of λ that a step of quality is taken for."""
 
 Measure = Callable[[float], float]
@@ -38,14 +36,14 @@ def searched_quality(
     that misses the target only if all do. draft: makes streams of less effort, None for none;
     ending: whether to end soon.
     """
-    quality, slope = FIRST_QUALITY, 1 / QUALITY_PER_OCTAVE
+    quality, slope = _FIRST_QUALITY, 1 / QUALITY_PER_OCTAVE
     drafts: dict[float, float] = {}
-    while draft is not None and len(drafts) < MAX_DRAFTS and not ending():
+    while draft is not None and len(drafts) < _MAX_DRAFTS and not ending():
         drafts[quality] = target.rate_error(draft(quality))
         before, quality = quality, _next_quality(drafts, slope)
         if len(drafts) > 1:
             slope = _slope(drafts)
-        if abs(quality - before) < NEAR:
+        if abs(quality - before) < _NEAR:
             break
     tried: dict[float, float] = {}
     while quality not in tried and len(tried) < MAX_STREAMS:
@@ -63,17 +61,17 @@ def _next_quality(errors: dict[float, float], slope: float) -> float:
     finer = min((at for at in errors if errors[at] > 0), default=None)
     if coarser is None or finer is None:
         end = max(errors) if finer is None else min(errors)
-        quality = end - min(max(errors[end] / slope, -MAX_MOVE), MAX_MOVE)
+        quality = end - min(max(errors[end] / slope, -_MAX_MOVE), _MAX_MOVE)
     else:  # regula falsi, where an end that stays counts half (Illinois)
         last, older = list(errors)[-1], list(errors)[-2]
         stays = (finer if last == coarser else coarser) if (errors[last] > 0) == (errors[older] > 0) else None
         below, above = (errors[at] * (0.5 if at == stays else 1.0) for at in (coarser, finer))
         quality = coarser + below / (below - above) * (finer - coarser)
-    choices = [min(max(step * round(quality / step), MIN_QUALITY), MAX_QUALITY) for step in RESOLUTIONS]
+    choices = [min(max(step * round(quality / step), MIN_QUALITY), MAX_QUALITY) for step in _RESOLUTIONS]
     return next((choice for choice in choices if choice not in errors), choices[-1])
 
 
 def _slope(errors: dict[float, float]) -> float:
     """Octaves for a step of quality, by the two streams nearest to the target."""
     one, other = sorted(errors, key=lambda at: abs(errors[at]))[:2]
-    return min(max((errors[one] - errors[other]) / (one - other), MIN_SLOPE), MAX_SLOPE)
+    return min(max((errors[one] - errors[other]) / (one - other), _MIN_SLOPE), _MAX_SLOPE)

@@ -7,25 +7,23 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-__all__ = ["TARGETS", "QuantityName", "RateTarget", "Target"]
-
 QuantityName = Literal["bytes", "psnr", "score"]
 """Bytes of a stream on disk, the PSNR in dB or the SSIMULACRA 2 score of its decoded samples."""
 
-SIZE_MIN_FRACTION = 0.97
+_SIZE_MIN_FRACTION = 0.97
 """Least part of the size that was asked for."""
-SIZE_AIM_FRACTION = 0.985
+_SIZE_AIM_FRACTION = 0.985
 """Part of the size at which the rate error is zero: in the middle of what is allowed."""
-PSNR_TOLERANCE_DB = 0.1
+_PSNR_TOLERANCE_DB = 0.1
 """How far a PSNR may lie from the one that was asked for."""
-SIZE_OCTAVES_PER_LMBDA_OCTAVE = 0.65
+_SIZE_OCTAVES_PER_LMBDA_OCTAVE = 0.65
 """log2 of the bytes that an octave of λ takes or gives, on photographs between 0.1 and 1 bpp."""
-PSNR_DB_PER_LMBDA_OCTAVE = 1.5
-SCORE_TOLERANCE = 1.0
+_PSNR_DB_PER_LMBDA_OCTAVE = 1.5
+_SCORE_TOLERANCE = 1.0
 """How far a SSIMULACRA 2 score may lie from the one that was asked for."""
-SCORE_PER_LMBDA_OCTAVE = 8.0
+_SCORE_PER_LMBDA_OCTAVE = 8.0
 """Of photographs between scores of 40 and 80; below, an octave takes more."""
-PSNR_MAX_DB = 200.0
+_PSNR_MAX_DB = 200.0
 """Stands for the infinite PSNR of a picture without error."""
 
 
@@ -49,22 +47,22 @@ class _Quantity:
 
 _QUANTITIES: dict[QuantityName, _Quantity] = {
     "bytes": _Quantity(
-        SIZE_OCTAVES_PER_LMBDA_OCTAVE,
-        near=lambda wanted: (SIZE_MIN_FRACTION * wanted, wanted),
+        _SIZE_OCTAVES_PER_LMBDA_OCTAVE,
+        near=lambda wanted: (_SIZE_MIN_FRACTION * wanted, wanted),
         asked="at most {:.0f} bytes",
         reached="smallest has {:.0f}",
         is_size=True,
     ),
     "psnr": _Quantity(
-        PSNR_DB_PER_LMBDA_OCTAVE,
-        near=lambda wanted: (wanted - PSNR_TOLERANCE_DB, wanted + PSNR_TOLERANCE_DB),
+        _PSNR_DB_PER_LMBDA_OCTAVE,
+        near=lambda wanted: (wanted - _PSNR_TOLERANCE_DB, wanted + _PSNR_TOLERANCE_DB),
         asked="{:g} dB",
         reached="best reaches {:.2f} dB",
-        largest=PSNR_MAX_DB,
+        largest=_PSNR_MAX_DB,
     ),
     "score": _Quantity(
-        SCORE_PER_LMBDA_OCTAVE,
-        near=lambda wanted: (wanted - SCORE_TOLERANCE, wanted + SCORE_TOLERANCE),
+        _SCORE_PER_LMBDA_OCTAVE,
+        near=lambda wanted: (wanted - _SCORE_TOLERANCE, wanted + _SCORE_TOLERANCE),
         asked="SSIMULACRA 2 {:g}",
         reached="best reaches {:.1f}",
     ),
@@ -88,7 +86,7 @@ class RateTarget:
         """Estimate of the octaves by which λ should rise: positive where the stream spends more than was asked for."""
         quantity = self._quantity
         if quantity.is_size:
-            return math.log2(max(measured, 1.0) / (SIZE_AIM_FRACTION * self.wanted)) / quantity.per_octave
+            return math.log2(max(measured, 1.0) / (_SIZE_AIM_FRACTION * self.wanted)) / quantity.per_octave
         return float(min(measured, quantity.largest) - self.wanted) / quantity.per_octave
 
     def is_met(self, measured: float) -> bool:

@@ -8,19 +8,14 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sgicodec._native import search_seeds
+from sgicodec.arrays import F32, F64
 from sgicodec.bitstream.header import encode_header
 from sgicodec.bitstream.parts.tile import TileModel
 from sgicodec.model.quantization import FRACTION_BITS
 from sgicodec.raster.backend import DEFAULT_CUTOFF
 from sgicodec.rdoq.objective import Objective, with_values
-
-__all__ = ["RdoqSettings", "descend", "searched"]
-
-F32 = NDArray[np.float32]
-F64 = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -6,20 +6,15 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sgicodec._native import WINDOW_PADDING
+from sgicodec.arrays import F32, F64
 from sgicodec.bitstream.header import Header
 from sgicodec.bitstream.parts.tile import TileModel, quantise
 from sgicodec.device import Device
 from sgicodec.model.gaussians import model_gaussians
 from sgicodec.model.spec import ModelSpec
 from sgicodec.raster.cpu import NativeRasterizer
-
-__all__ = ["Objective", "joined", "with_values"]
-
-F32 = NDArray[np.float32]
-F64 = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

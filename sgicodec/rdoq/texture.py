@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec._native import TextureAmplitudes, cheapest_colours
+from sgicodec.arrays import F32
 from sgicodec.device import ALL_CORES, Device
 from sgicodec.model.texture_symbols import (
     LAPPED,
@@ -19,10 +20,6 @@ from sgicodec.model.texture_symbols import (
     roots_of,
     whole_roots,
 )
-
-__all__ = ["NO_SPLIT_SEARCH", "SPLIT_SEARCH_MARGIN", "TextureSearch", "colours_for", "superblock_planes"]
-
-F32 = NDArray[np.float32]
 
 SPLIT_SEARCH_MARGIN, NO_SPLIT_SEARCH = 1.06, 1.0
 """`split_margin` of a search: the usual one, and the least, which takes two thirds of the time for 1 % more bytes

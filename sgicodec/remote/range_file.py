@@ -9,8 +9,6 @@ from collections.abc import Callable, Iterable
 from itertools import islice
 from typing import Any
 
-__all__ = ["BLOCK", "RangeFile"]
-
 BLOCK = 1 << 15
 """Bytes that ranges are aligned to: what a header and a tile of 0.2 bits per pixel take."""
 

@@ -15,8 +15,6 @@ from typing import Any, BinaryIO
 from sgicodec.errors import MissingExtraError, SgiError, StreamError, require
 from sgicodec.remote.range_file import RangeFile, Span
 
-__all__ = ["naming_url", "open_url"]
-
 _AT_ONCE = 8
 """Requests to one server."""
 

@@ -9,8 +9,6 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-__all__ = ["LOG", "Access"]
-
 LOG = logging.getLogger("sgicodec.server")
 
 _PUBLIC = [

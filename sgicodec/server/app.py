@@ -35,8 +35,6 @@ from sgicodec.server.remote_files import RemoteFiles
 from sgicodec.server.workers import Workers
 from sgicodec.version import __version__
 
-__all__ = ["Settings", "application"]
-
 _Result = TypeVar("_Result")
 
 _MEDIA_TYPES = {".sgi": "image/x-sgicodec"}

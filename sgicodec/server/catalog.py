@@ -10,10 +10,8 @@ from sgicodec.decoder.stream import open_stream
 from sgicodec.errors import StreamError, UsageError
 from sgicodec.server.refusal import Refusal
 
-__all__ = ["Catalog", "Folder", "ListedFiles", "ListedStream", "Listing"]
-
-SUFFIX = ".sgi"
-MAX_LISTED = 2000
+_SUFFIX = ".sgi"
+_MAX_LISTED = 2000
 """Names that one listing shows."""
 
 
@@ -65,7 +63,7 @@ class Folder:
     def find(self, name: str) -> Path:
         """See `Catalog`."""
         path = self._inside(name)
-        if path.suffix.lower() != SUFFIX or not _is_stream(path):
+        if path.suffix.lower() != _SUFFIX or not _is_stream(path):
             raise _absent(name)
         return path
 
@@ -83,13 +81,13 @@ class Folder:
         streams: list[ListedStream] = []
         try:
             for path in sorted(folder.iterdir()):
-                if len(folders) + len(streams) == MAX_LISTED:
+                if len(folders) + len(streams) == _MAX_LISTED:
                     return Listing(folders, streams, True)
                 if path.name.startswith(".") or not _printable(path.name) or not self._holds(path):
                     continue
                 if path.is_dir():
                     folders.append(path.name)
-                elif path.suffix.lower() == SUFFIX and _is_stream(path):
+                elif path.suffix.lower() == _SUFFIX and _is_stream(path):
                     streams.append(_listed(path.name, path))
         except OSError:
             raise _absent(name) from None

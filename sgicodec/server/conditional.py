@@ -13,8 +13,6 @@ from starlette.responses import FileResponse, Response
 if TYPE_CHECKING:
     from starlette.types import Receive, Scope, Send
 
-__all__ = ["RangedFile", "unchanged"]
-
 _OF_304 = ("cache-control", "etag", "last-modified", "link", "vary")
 
 

@@ -5,8 +5,6 @@ from __future__ import annotations
 from sgicodec.server.drawing import Drawing
 from sgicodec.server.refusal import Refusal
 
-__all__ = ["MEDIA_TYPE", "description", "tile_drawing"]
-
 MEDIA_TYPE = "application/xml"
 
 _TILE = 512

@@ -16,8 +16,6 @@ if TYPE_CHECKING:
 
     from sgicodec.decoder.stream import Region, Stream
 
-__all__ = ["FORMATS", "MAX_SIDES", "QUALITIES", "Drawing", "drawn"]
-
 FORMATS = {"jpg": "image/jpeg", "png": "image/png", "webp": "image/webp", "tif": "image/tiff"}
 """Extensions, and media types."""
 

@@ -11,8 +11,6 @@ from typing import Any
 from sgicodec.server.drawing import FORMATS, MAX_SIDES, QUALITIES, Drawing
 from sgicodec.server.refusal import Refusal
 
-__all__ = ["CONTEXT", "LEVEL", "TILE", "Image", "canonical", "info", "manifest", "read_drawing"]
-
 CONTEXT = "http://iiif.io/api/image/3/context.json"
 LEVEL = "http://iiif.io/api/image/3/level2.json"
 

@@ -7,8 +7,6 @@ from urllib.parse import quote
 
 from sgicodec.server.catalog import ListedStream, Listing
 
-__all__ = ["listing_page"]
-
 _PAGE = """<!doctype html>
 <html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width">
 <meta name="color-scheme" content="light dark"><title>{title}</title>

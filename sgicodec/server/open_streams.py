@@ -17,8 +17,6 @@ from sgicodec.errors import StreamError
 if TYPE_CHECKING:
     from sgicodec.decoder.stream import Stream
 
-__all__ = ["Identity", "OpenStreams", "identity"]
-
 Identity = tuple[str, int, int, int]
 """Path, time of the last change, bytes, inode: a file that is written anew is another one."""
 

@@ -10,8 +10,6 @@ from sgicodec.errors import UsageError
 if TYPE_CHECKING:
     from starlette.types import ASGIApp, Receive, Scope, Send
 
-__all__ = ["PublicAddress", "checked_address"]
-
 
 def checked_address(url: str) -> str:
     """The same without a slash at the end. Raises UsageError for what is no address of a server."""

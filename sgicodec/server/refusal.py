@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-__all__ = ["Refusal"]
-
 
 class Refusal(Exception):
     """A request that gets no picture. `status` is that of HTTP, `text` what the client reads."""

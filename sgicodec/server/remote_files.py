@@ -10,8 +10,6 @@ from typing import BinaryIO
 from sgicodec.remote.remote_file import open_url
 from sgicodec.server.refusal import Refusal
 
-__all__ = ["RemoteFiles"]
-
 _MAX_ANSWER = 1 << 26
 """Bytes of one answer."""
 

@@ -16,8 +16,6 @@ from sgicodec.server.access import LOG
 if TYPE_CHECKING:
     from starlette.applications import Starlette
 
-__all__ = ["address_of", "listening", "serve"]
-
 _LAST_ANSWERS = 10
 """Seconds that open requests have when the server is to end."""
 

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-__all__ = ["missing_decoder", "viewer_folder"]
-
 
 def viewer_folder() -> Path | None:
     """The folder of the viewer's page: in an installed package, or in a clone of the repository; None without one."""

@@ -9,8 +9,6 @@ from typing import TypeVar
 
 from sgicodec.server.refusal import Refusal
 
-__all__ = ["Workers"]
-
 _Result = TypeVar("_Result")
 
 

@@ -11,19 +11,6 @@ import constriction
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = [
-    "FILE",
-    "MAX_MAGNITUDE",
-    "SCALES",
-    "TABLES",
-    "TOTAL",
-    "FrequencyTables",
-    "escape_model",
-    "frequency_tables",
-    "uniform_model",
-    "zero_centred_model",
-]
-
 SCALES, TABLES, TOTAL, MAX_MAGNITUDE = 64, 128, 1 << 24, 1 << 20
 FILE = files("sgicodec.bitstream.parts").joinpath("tables.bin")
 

@@ -16,8 +16,6 @@ from sgicodec.model.context import hash_grid, network_shapes
 from sgicodec.model.gaussians import decoder_shapes
 from sgicodec.model.steps import default_plan, follows_amplitude
 
-__all__ = ["read_from_the_page"]
-
 
 def read_from_the_page(header: Header, payload: bytes) -> tuple[_native.TileModel, PageAttributes, SymbolReader, float]:
     """The tile as native code reads it, its attributes as the page does, which are the same; the reader behind them,

@@ -10,18 +10,6 @@ from numpy.typing import ArrayLike, NDArray
 from sgicodec import _native
 from sgicodec.model.texture_symbols import TextureSymbols
 
-__all__ = [
-    "Seeds",
-    "SymbolReader",
-    "SymbolWriter",
-    "write_base",
-    "write_positions",
-    "write_signs",
-    "write_texture",
-    "write_tree",
-    "write_weights",
-]
-
 Seeds = tuple[NDArray[np.int32], NDArray[np.int8]]
 """Corners [N, 2] in pixels (x, y) and log2 of the side of each one's node [N]."""
 

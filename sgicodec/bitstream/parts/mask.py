@@ -9,8 +9,6 @@ from sgicodec import _native
 from sgicodec._native import max_mixed
 from sgicodec.errors import PictureError
 
-__all__ = ["write_mask"]
-
 
 def write_mask(mask: NDArray[np.bool_]) -> bytes:
     """The payload of a mask [h, w]. Raises PictureError for one of more mixed squares than a reader takes."""

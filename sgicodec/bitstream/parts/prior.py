@@ -15,8 +15,6 @@ from sgicodec.model.context import network_shapes
 from sgicodec.model.network import IntNetwork
 from sgicodec.model.spec import ModelSpec
 
-__all__ = ["load_prior", "parse_prior", "prior_file"]
-
 _NUMBER = np.dtype("<i2")
 """Of all that a file holds."""
 _HEAD = 5

@@ -7,8 +7,6 @@ from numpy.typing import NDArray
 
 from sgicodec.model.texture_symbols import TextureGrid, TextureIndices, TextureSymbols
 
-__all__ = ["layer_of"]
-
 Steps = tuple[int, list[int], tuple[int, int], tuple[int, int, int], bool, tuple[int, int, int], tuple[bool, int, int]]
 Read = tuple[Steps, NDArray[np.uint8], NDArray[np.int8], NDArray[np.int16]]
 

@@ -8,9 +8,9 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sgicodec import _native
+from sgicodec.arrays import F64, I64
 from sgicodec.bitstream.header import Header, encode_header
 from sgicodec.bitstream.parts.texture import layer_of
 from sgicodec.device import ONE_THREAD, Device
@@ -21,11 +21,6 @@ from sgicodec.model.quantization import FRACTION_BITS
 from sgicodec.model.restoration import Restoration
 from sgicodec.model.steps import StepPlan
 from sgicodec.model.texture_symbols import TextureSymbols
-
-__all__ = ["TileModel", "quantise", "read_tile", "write_tile"]
-
-F64 = NDArray[np.float64]
-I64 = NDArray[np.int64]
 
 
 @dataclass

@@ -9,13 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec import _native
+from sgicodec.arrays import Mask
 from sgicodec.bitstream.header import Header, encode_header
 from sgicodec.bitstream.parts.mask import write_mask
 from sgicodec.bitstream.varint import encode_varint
-
-__all__ = ["ExactSamples", "TileChunk", "decode_tile_chunk", "encode_tile_chunk"]
-
-Mask = NDArray[np.bool_]
 
 _ALL_VALID, _NONE_VALID, _SOME_VALID, _BY_BAND = 0, 1, 2, 3
 _BAND_VALID, _BAND_EMPTY, _BAND_MASKED, _BAND_AS_BEFORE = 0, 1, 2, 3

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from sgicodec.arrays import F32, Mask
 from sgicodec.bitstream.header import Header, Masked
 from sgicodec.metadata.layouts import band_ranges
 from sgicodec.picture import (
@@ -22,19 +23,6 @@ from sgicodec.picture import (
     opaque_mask,
     to_unit,
 )
-
-__all__ = [
-    "Bare",
-    "bare_samples",
-    "coded_samples",
-    "empty_pixels",
-    "inpaint",
-    "store_nodata",
-    "with_least_masks",
-]
-
-F32 = NDArray[np.float32]
-Mask = NDArray[np.bool_]
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from sgicodec.arrays import F32, F64
 from sgicodec.decoder.view import overview_size
 from sgicodec.encoder.input.nodata import store_nodata
 from sgicodec.encoder.plan import Plan
@@ -18,11 +19,6 @@ from sgicodec.model.tile_grid import Rect
 from sgicodec.picture import Picture, exact_samples, from_unit, nodata_mask, nodata_samples, to_unit
 from sgicodec.profiles.default import lmbda_of_quality
 from sgicodec.rate_control.quality_search import QUALITY_PER_OCTAVE
-
-__all__ = ["overview_picture", "overview_settings", "takes_overview"]
-
-F32 = NDArray[np.float32]
-F64 = NDArray[np.float64]
 
 _MIN_PIXELS = 1 << 20
 """Of a picture that has an overview where nothing else is asked for: smaller ones are rendered in no time."""

@@ -20,9 +20,6 @@ if TYPE_CHECKING:
     from sgicodec.encoder.progress import NullListener
     from sgicodec.image.source import Source
 
-__all__ = ["Windows", "kept", "tile_window", "windows_of", "without_needless_alpha"]
-
-
 _BLOCK = 1 << 20
 
 

@@ -18,8 +18,6 @@ from sgicodec.metrics.psnr import luma
 from sgicodec.model.tile_grid import Rect
 from sgicodec.picture import nodata_samples
 
-__all__ = ["with_layer", "without_loss"]
-
 _JPEG_SHARE = 1 / 3
 """Of blocks of a picture that was a JPEG file in which its grid is seen: it is not where they are flat."""
 _JPEG_QUALITY, _EXACT_ERROR, _ERROR_DOUBLING = 98.0, 2.0, 10.0

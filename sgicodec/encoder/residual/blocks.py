@@ -12,8 +12,6 @@ from sgicodec import _native
 from sgicodec.bitstream.header import Header
 from sgicodec.model.tile_grid import Rect
 
-__all__ = ["DistinctPixels", "Repeats", "block_rects", "judged_rects", "some_of"]
-
 _MAX_JUDGED = 12
 """Blocks by which a picture is judged."""
 

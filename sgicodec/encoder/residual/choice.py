@@ -14,8 +14,6 @@ from sgicodec.encoder.residual.division import Division, has_all_samples
 from sgicodec.encoder.residual.graphics import exact_instead, with_graphics
 from sgicodec.encoder.residual.layer import ResidualLayer
 
-__all__ = ["fixed_division", "way_to_divide"]
-
 
 def way_to_divide(windows: Windows, plan: Plan, listener: NullListener) -> Callable[[Windows, Plan], Division]:
     """How tiles and a residual layer share the picture. The listener gets to know of classes that change."""

@@ -15,8 +15,6 @@ from sgicodec.metadata import geo
 from sgicodec.metadata.layouts import alpha_index, band_ranges
 from sgicodec.picture import nodata_samples
 
-__all__ = ["bands_of_classes", "lost_bands"]
-
 _MAX_VALUES, _MAX_SCATTERED = 64, 16
 """Where most pixels are as the one to their left, and where not."""
 _NEAR_LEVELS = 16

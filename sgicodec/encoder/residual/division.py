@@ -11,8 +11,6 @@ from sgicodec.encoder.plan import Plan
 from sgicodec.encoder.residual.layer import ResidualLayer, bits_of_blocks
 from sgicodec.model.tile_grid import Rect
 
-__all__ = ["Division", "ExactDivision", "has_all_samples", "nearly_empty_tiles"]
-
 _LARGE_LMBDA = 1e4
 """At which a model of one Gaussian is best."""
 _OTHER_BYTES = 150

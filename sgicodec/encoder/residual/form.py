@@ -17,8 +17,6 @@ from sgicodec.encoder.residual.blocks import DistinctPixels, Repeats
 from sgicodec.encoder.residual.grids import Floats, Grid, Integers, with_table
 from sgicodec.metadata.layouts import alpha_index
 
-__all__ = ["alpha_form", "coded_bits", "residual_form"]
-
 _BITS, _VIEWS, _PALETTE, _CELLS, _ALPHA_ALONE, _BANDS = 1, 2, 4, 8, 16, 32
 """Flags of a layer."""
 

@@ -13,22 +13,6 @@ from sgicodec.bitstream.header import Header
 from sgicodec.metadata.layouts import band_ranges
 from sgicodec.model.tile_grid import Rect
 
-__all__ = [
-    "CELL",
-    "CellSurvey",
-    "Cells",
-    "ColourCounts",
-    "ColourSurvey",
-    "cell_means",
-    "cells_in",
-    "cells_shape",
-    "colour_keys",
-    "level_of",
-    "pixels_in_cells",
-    "repeating_cells",
-    "stacked_cells",
-]
-
 CELL = _native.RESIDUAL_CELL
 """Pixels of a side."""
 

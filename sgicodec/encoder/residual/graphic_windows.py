@@ -10,16 +10,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from sgicodec.arrays import F32
 from sgicodec.encoder.input.nodata import inpaint
 from sgicodec.encoder.input.windows import Windows
 from sgicodec.encoder.residual.graphic_cells import CELL, Cells, ColourCounts, cells_in, colour_keys, pixels_in_cells
 from sgicodec.metadata.layouts import alpha_index
 from sgicodec.model.tile_grid import Rect
 from sgicodec.picture import Picture
-
-__all__ = ["with_fewer_colours", "without_cells", "without_unseen_colours"]
-
-F32 = NDArray[np.float32]
 
 _MEANT_COLOURS = 64
 """With no more colours than these each is meant, as the classes of a map; shades of soft edges are more."""

@@ -29,8 +29,6 @@ from sgicodec.model.tile_grid import Rect
 from sgicodec.picture import nodata_samples
 from sgicodec.profiles.default import DEFAULT_QUALITY
 
-__all__ = ["exact_instead", "with_graphics"]
-
 _LEAST_SHARE = 1 / 256
 """Of cells of a picture that are text or line art, where it has any."""
 _EDGE_BITS, _EDGE_DOUBLING = 10.0, 40

@@ -14,8 +14,6 @@ from numpy.typing import NDArray
 from sgicodec import _native
 from sgicodec.bitstream.varint import encode_varint
 
-__all__ = ["Floats", "Grid", "Integers", "with_table"]
-
 _SCALES = (1, 10, 100, 1000, 10_000, 2, 4, 16, 64, 256, 1024, 4096)
 """Floats are often whole multiples of one over one of these."""
 _MAX_TABLE = _native.MAX_TABLE_STEPS + 1

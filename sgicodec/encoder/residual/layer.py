@@ -24,8 +24,6 @@ from sgicodec.encoder.residual.graphic_cells import Cells, cells_in, cells_shape
 from sgicodec.errors import PictureError
 from sgicodec.model.tile_grid import Rect
 
-__all__ = ["ResidualLayer", "bits_of_blocks", "residual_payload"]
-
 _CRC_BYTES = 4
 
 

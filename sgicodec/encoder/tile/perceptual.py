@@ -12,6 +12,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from sgicodec.arrays import F32
 from sgicodec.device import Device
 from sgicodec.encoder.quality_calibration import CalibratedSteps
 from sgicodec.encoder.tile.restoration import Strength, rendered_over
@@ -21,17 +22,14 @@ from sgicodec.metrics.visual_score import VisualReference
 from sgicodec.model.texture_symbols import TextureSymbols
 from sgicodec.rdoq.texture import TextureSearch
 
-__all__ = ["ScoreAscent", "best_looking"]
-
-F32 = NDArray[np.float32]
 Offsets = NDArray[np.int8] | None
 
-MEAN_MOVE = 0.015
+_MEAN_MOVE = 0.015
 """Of amplitudes in a single pass, in steps (docs/notes/2026-11-ladder.md)."""
-SHORTER_BY_PASSES = 0.6
+_SHORTER_BY_PASSES = 0.6
 """Power of the number of passes by which each moves less; in five, moves 30 % shorter or longer take up to 0.8 % more
 bytes (docs/notes/2026-11-equal-losses.md)."""
-MAX_MOVE = 12.0
+_MAX_MOVE = 12.0
 """Of one amplitude, in means (docs/notes/2026-11-score-ascent.md)."""
 
 
@@ -68,7 +66,7 @@ class ScoreAscent:
         strength: Strength | None = None,
     ) -> None:
         self.unit, self.screen, self.empty, self.device, self.strength = unit, screen, empty, device, strength
-        self._mean_move = MEAN_MOVE / passes**SHORTER_BY_PASSES
+        self._mean_move = _MEAN_MOVE / passes**_SHORTER_BY_PASSES
         self._reference = VisualReference(screen.shown(unit), device)
 
     def climb(self, search: TextureSearch, layer: TextureSymbols, offsets: Offsets) -> float:
@@ -81,7 +79,7 @@ class ScoreAscent:
         if self.empty is not None:
             gradient[:, self.empty] = 0
         mean = self._mean_move
-        search.move(gradient, layer.steps, offsets, mean, MAX_MOVE * mean, layer)
+        search.move(gradient, layer.steps, offsets, mean, _MAX_MOVE * mean, layer)
         return score
 
     def _rendered(self, search: TextureSearch, symbols: TextureSymbols) -> F32:

@@ -7,14 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from sgicodec.arrays import F32
 from sgicodec.device import Device
 from sgicodec.model.restoration import Restoration
 from sgicodec.model.texture_symbols import TEXTURE_STEP_COUNT, TextureSymbols
 from sgicodec.rdoq.texture import TextureSearch
-
-__all__ = ["Restorer", "Strength", "rendered_over"]
-
-F32 = NDArray[np.float32]
 
 _OFFSETS, _APART = (-32, -12, 8), 20
 """Steps that are tried, from texture's own, in 32nds of an octave. Four, 16 apart, gain 0.0 % of bytes; one loses 0.8 %

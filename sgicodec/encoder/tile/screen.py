@@ -5,14 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from sgicodec.arrays import F32
 from sgicodec.model.colours import to_samples
 from sgicodec.model.spec import ModelSpec
-
-__all__ = ["Screen"]
-
-F32 = NDArray[np.float32]
 
 _BEHIND = np.float32(0.5)
 """Samples behind what is transparent: a grey that tells dark and light colours from nothing."""

@@ -11,33 +11,29 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec._native import TEXTURE_ROOT_LOG
+from sgicodec.arrays import F32, F64
 from sgicodec.fit.pyramid import pyramid
 from sgicodec.model.layout import SeedLayout
 from sgicodec.model.texture_symbols import roots_of
 
-__all__ = ["MIN_WEIGHT", "part_of_steps", "seed_weights", "smoothed"]
-
-F32 = NDArray[np.float32]
-F64 = NDArray[np.float64]
-
-FULL_COHERENCE, OCTAVES = 0.82, 14.0
+_FULL_COHERENCE, _OCTAVES = 0.82, 14.0
 """Coherence from which on seeds count in full, and the octaves by which they count less for each unit below it
 (docs/notes/2026-11-texture-share.md, "One look at edges in place of a short fit")."""
 MIN_WEIGHT = 1 / 32
 """The least weight."""
-MIN_STEPS = 1 / 4
+_MIN_STEPS = 1 / 4
 """The least part of a fit's steps (docs/notes/2026-11-ladder.md, "Few steps where there are few seeds")."""
-NO_MORE_STEPS, ALL_STEPS = 0.2, 0.7
+_NO_MORE_STEPS, _ALL_STEPS = 0.2, 0.7
 """Mean weights of seeds up to which more steps than usual gain nothing, and from which on all are worth their time
 (docs/notes/2026-11-ladder.md, "High efforts where seeds show the picture")."""
-CALM_BITS = 48.0
+_CALM_BITS = 48.0
 """Bits of texture in a superblock. Where they would buy all of its detail, seeds count in full: there is nothing to
 share."""
 
 
 def seed_weights(target: F32, lmbda: float) -> F32:
     """Weights [H, W] up to 1 of the seeds' squared errors in a target [C, H, W], for an encode at λ."""
-    octaves = np.clip(OCTAVES * (coherence(target, lmbda) - FULL_COHERENCE), np.log2(MIN_WEIGHT), 0.0)
+    octaves = np.clip(_OCTAVES * (coherence(target, lmbda) - _FULL_COHERENCE), np.log2(MIN_WEIGHT), 0.0)
     return _of_pixels(np.exp2(smoothed(octaves, _BLEND)), target.shape[1:])
 
 
@@ -45,14 +41,14 @@ def part_of_steps(steps: int, usual: int, layout: SeedLayout, weights: F32) -> f
     """Part of a fit's steps that is worth its time, for seeds that begin in this layout.
 
     All are where there is a seed for each superblock of texture, each counted by the weight [H, W] in its cell's
-    middle, and fewer where there are fewer, MIN_STEPS at least. Of those beyond the usual number, fewer are where the
+    middle, and fewer where there are fewer, _MIN_STEPS at least. Of those beyond the usual number, fewer are where the
     mean weight is small.
     """
     height, width = weights.shape
     x, y = (np.minimum(layout.corner[:, axis] + layout.cell / 2, side - 1) for axis, side in ((0, width), (1, height)))
     seeds = float(weights[y.astype(np.intp), x.astype(np.intp)].sum())
-    part = float(min(max(seeds * (1 << 2 * TEXTURE_ROOT_LOG) / (width * height), MIN_STEPS), 1.0))
-    more = (float(weights.mean()) - NO_MORE_STEPS) / (ALL_STEPS - NO_MORE_STEPS)
+    part = float(min(max(seeds * (1 << 2 * TEXTURE_ROOT_LOG) / (width * height), _MIN_STEPS), 1.0))
+    more = (float(weights.mean()) - _NO_MORE_STEPS) / (_ALL_STEPS - _NO_MORE_STEPS)
     few = min(steps, usual)
     return part * (few + min(max(more, 0.0), 1.0) * (steps - few)) / steps
 
@@ -70,7 +66,7 @@ def coherence(target: F32, lmbda: float) -> F64:
     slopes = [np.gradient(half, axis=axis) if half.shape[axis] > 1 else np.zeros_like(half) for axis in (1, 2)]
     down, across = (np.pad(slope, room) for slope in slopes)
     yy, xx, yx = (_sums(product, _WINDOW) for product in (down * down, across * across, down * across))
-    calm = lmbda * CALM_BITS
+    calm = lmbda * _CALM_BITS
     directed, all_ = (
         smoothed(_sums(part, _HALF_BLOCK // _WINDOW).sum(axis=0), _NEAR) + calm
         for part in (np.hypot(yy - xx, 2 * yx), yy + xx)

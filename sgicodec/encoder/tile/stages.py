@@ -25,17 +25,6 @@ from sgicodec.model.layout import SeedLayout, adaptive_layout, uniform_layout
 from sgicodec.model.network import IntNetwork
 from sgicodec.rdoq import Objective, searched
 
-__all__ = [
-    "encode",
-    "fit",
-    "fit_seeds",
-    "in_integers",
-    "prepare",
-    "rdoq",
-    "share",
-    "texture",
-]
-
 
 def encode(tile: Tile) -> TileState:
     """The tile through all stages, at a constant λ."""

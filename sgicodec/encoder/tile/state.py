@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from sgicodec.arrays import F32, I64
 from sgicodec.bitstream.header import Header
 from sgicodec.bitstream.parts.tile import TileModel
 from sgicodec.device import ALL_CORES, Device
@@ -32,10 +33,6 @@ from sgicodec.rdoq.texture import TextureSearch, colours_for
 if TYPE_CHECKING:
     from sgicodec.fit.trainer import Progress
 
-__all__ = ["Prepared", "Tile", "TileListener", "TileState", "Watch", "tile_of"]
-
-F32 = NDArray[np.float32]
-I64 = NDArray[np.int64]
 
 SEPARATE_COST = 0.98
 """Cost of separate cells in that of lapped ones, by an estimate, below which they are taken. Where both seem equal,

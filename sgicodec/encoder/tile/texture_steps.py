@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec._native import CONTRAST_LIMIT, TEXTURE_ROOT_LOG
+from sgicodec.arrays import F64
 from sgicodec.device import ONE_THREAD, Device
 from sgicodec.metrics.local_variance import local_variance
 from sgicodec.metrics.regular_pattern import BLOCK, RegularPatterns, regular_patterns
@@ -32,10 +33,6 @@ from sgicodec.model.texture_symbols import (
     texture_step_index,
 )
 
-__all__ = ["TUNINGS", "Masking", "TextureTuning"]
-
-F32 = NDArray[np.float32]
-F64 = NDArray[np.float64]
 Offsets = NDArray[np.int8]
 
 

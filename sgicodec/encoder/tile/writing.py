@@ -11,12 +11,6 @@ from sgicodec.bitstream.parts.tile import write_tile
 from sgicodec.bitstream.parts.tile_chunk import ExactSamples, encode_tile_chunk
 from sgicodec.encoder.tile.state import Tile, TileState
 
-__all__ = [
-    "EncodedTile",
-    "write",
-    "write_nothing",
-]
-
 
 @dataclass(frozen=True)
 class EncodedTile:

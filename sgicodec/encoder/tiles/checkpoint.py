@@ -18,8 +18,6 @@ from sgicodec.encoder.tiles.store import Store, Version
 from sgicodec.errors import OutputExistsError, PictureError, StreamError, UsageError
 from sgicodec.files.lock import locked
 
-__all__ = ["Checkpoint", "fingerprint"]
-
 _TABLES = """
 PRAGMA locking_mode = EXCLUSIVE;
 PRAGMA synchronous = EXTRA;

@@ -11,8 +11,6 @@ from sgicodec.encoder.plan import Plan
 from sgicodec.executors.executor import MIB, Executor, Memory
 from sgicodec.profiles.default import DEFAULT_LMBDA
 
-__all__ = ["within_memory"]
-
 _MAIN = 150 * MIB
 """The process that reads and writes: Python, numpy, OpenImageIO. One that fits too has room for them in _WORKER."""
 _WORKER = 110 * MIB

@@ -25,8 +25,6 @@ from sgicodec.image.source import Source, open_source
 from sgicodec.image.used_range import SampleUse
 from sgicodec.picture import Picture
 
-__all__ = ["PictureAt", "TileRunner", "TileTask", "one_blas_thread"]
-
 Result = TypeVar("Result")
 
 

@@ -8,8 +8,6 @@ from typing import NamedTuple
 
 from sgicodec.encoder.tile.writing import EncodedTile
 
-__all__ = ["Store", "Version"]
-
 
 class Version(NamedTuple):
     """A coding of a tile: its number, and the pass that made it."""

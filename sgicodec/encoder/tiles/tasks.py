@@ -12,9 +12,6 @@ from sgicodec.encoder.tile.state import TileListener, tile_of
 from sgicodec.encoder.tile.writing import EncodedTile, write, write_nothing
 from sgicodec.picture import Picture
 
-__all__ = ["FitTask", "Task"]
-
-
 Made = TypeVar("Made", covariant=True)
 
 
