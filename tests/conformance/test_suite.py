@@ -10,7 +10,7 @@ from scenes import ISAS
 
 from sgicodec.device import Device
 from tests.conformance import suite
-from tests.conformance.golden.make_golden import samples
+from tests.conformance.golden.add_golden import samples
 
 
 @pytest.mark.parametrize("isa", ISAS)
