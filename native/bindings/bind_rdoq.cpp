@@ -32,7 +32,7 @@ auto search_seeds(const nb::bytes &header, nb::handle model, Array<float, 3> res
   const sgi::SeedCoding coding(header, model, isa);
   const sgi::ModelSpec &spec = coding.header.spec;
   const size_t n = coding.tile.log_size.size(), d = size_t(spec.attributes()), channels = size_t(spec.channels);
-  require(spec.is_plain() && channels <= size_t(sgi::kMaxColours),
+  require(spec.is_plain() && channels <= size_t(sgi::kMaxChannels),
           "seeds must hold their Gaussians, of 64 channels at most");
   const std::vector<double> values = sgi::attributes_of(coding.header, model);
   const sgi::Residual left = residual_of(residual, weights, channels);

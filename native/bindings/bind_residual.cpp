@@ -60,7 +60,7 @@ void bind_residual(nb::module_ &m) {
   m.attr("RESIDUAL_CELL") = sgi::kResidualCell;
   m.attr("MAX_GRID_STEPS") = sgi::kMaxGridSteps;
   m.attr("MAX_TABLE_STEPS") = sgi::kMaxTableSteps;
-  m.attr("MAX_PALETTE") = sgi::kMaxColours;
+  m.attr("MAX_PALETTE") = sgi::kMaxPalette;
   m.def("code_residual", &code_residual, "samples"_a, "drawn"_a, "header"_a, "form"_a, "cells"_a,
         "The bytes of a block [h, w, C] of a residual layer that begins with `form`, the CRC-32 of the samples that a "
         "reader finds, and its information content. cells: 1 for those that are coded, row by row; all where the form "

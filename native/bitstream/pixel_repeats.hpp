@@ -10,7 +10,7 @@
 namespace sgi {
 
 // Finds pixels that the next one may repeat, and codes whether it does. Pixels are numbered row by row. `Bits` as in
-// bitstream/texture_bits.hpp.
+// bitstream/bits.hpp.
 template <class Bits>
 class PixelRepeats {
  public:

@@ -26,7 +26,7 @@ struct ResidualShape {
 };
 
 // Codes the values of a block, given those that the rest of the stream draws there. `Bits` as in
-// bitstream/texture_bits.hpp.
+// bitstream/bits.hpp.
 template <class Bits>
 class ResidualCoding {
  public:

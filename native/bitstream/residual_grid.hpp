@@ -4,12 +4,12 @@
 #include <vector>
 
 #include "bitstream/bit_model.hpp"
+#include "bitstream/bits.hpp"
 #include "bitstream/header.hpp"
-#include "bitstream/texture_bits.hpp"
 
 namespace sgi {
 
-constexpr int32_t kMaxColours = 1024;              // of a palette
+constexpr int32_t kMaxPalette = 1024;              // colours
 constexpr int32_t kMaxGridSteps = (1 << 22) - 1;   // so that sums of errors in sixteenths fit in 32 bits
 constexpr int32_t kMaxTableSteps = (1 << 16) - 1;  // of a grid with a table
 

@@ -84,7 +84,7 @@ ResidualGrid read_grid(Bytes start, size_t &at, SampleType type) {
 
 void read_palette(Bytes start, size_t &at, ResidualForm &form) {
   const int64_t count = decode_varint(start, at);
-  if (!count || count > kMaxColours || form.has_bits) corrupt("its palette has no sound size");
+  if (!count || count > kMaxPalette || form.has_bits) corrupt("its palette has no sound size");
   for (int64_t i = 0; i < count; ++i)
     for (const ResidualGrid &grid : form.grids) {
       const int64_t value = decode_varint(start, at);
@@ -171,7 +171,7 @@ void code_block(const ResidualBlock &block, Isa isa, Bits &bits, ResidualSamples
 }  // namespace
 
 int64_t longest_residual_table(const Header &header, bool has_tables) {
-  const int64_t palette = kMaxVarintBytes + int64_t(kMaxColours) * header.spec.channels * kMaxVarintBytes;
+  const int64_t palette = kMaxVarintBytes + int64_t(kMaxPalette) * header.spec.channels * kMaxVarintBytes;
   const int64_t grids =
       header.spec.channels * int64_t(2 * sizeof(double) + 3 * kMaxVarintBytes + (has_tables ? kMaxTableBytes : 0));
   return sizeof(double) + 1 + grids + palette + count_of(header) * int64_t(kMaxVarintBytes + kCrcBytes);

@@ -6,9 +6,9 @@
 
 #include "base/bytes.hpp"
 #include "base/isa.hpp"
+#include "bitstream/bits.hpp"
 #include "bitstream/header.hpp"
 #include "bitstream/residual_coding.hpp"
-#include "bitstream/texture_bits.hpp"
 
 namespace sgi {
 

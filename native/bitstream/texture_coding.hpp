@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <vector>
 
-#include "bitstream/texture_bits.hpp"
+#include "bitstream/bits.hpp"
 #include "bitstream/texture_context.hpp"
 
 namespace sgi {

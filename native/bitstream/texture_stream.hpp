@@ -2,8 +2,8 @@
 #pragma once
 #include <functional>
 
+#include "bitstream/bits.hpp"
 #include "bitstream/symbol_coder.hpp"
-#include "bitstream/texture_bits.hpp"
 #include "bitstream/texture_cells.hpp"
 #include "bitstream/texture_coding.hpp"
 

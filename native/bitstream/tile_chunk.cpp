@@ -15,9 +15,9 @@ enum MaskKind { kAllValid, kNoneValid, kSomeValid, kByBand };
 enum BandKind { kBandValid, kBandEmpty, kBandMasked, kBandAsBefore };
 
 // Reads the payload of a tile, part after part.
-class ChunkReader {
+class TileChunkReader {
  public:
-  ChunkReader(const Header &header, Bytes payload) : header_(header), payload_(payload) {
+  TileChunkReader(const Header &header, Bytes payload) : header_(header), payload_(payload) {
     number_ = header.tile ? varint() : 0;
     const int64_t count = header.grid().count();
     if (number_ >= count)
@@ -112,8 +112,8 @@ class ChunkReader {
 
 }  // namespace
 
-int64_t tile_number(const Header &header, Bytes start) { return ChunkReader(header, start).number(); }
+int64_t tile_number(const Header &header, Bytes start) { return TileChunkReader(header, start).number(); }
 
-TileChunk decode_tile_chunk(const Header &header, Bytes payload) { return ChunkReader(header, payload).read(); }
+TileChunk decode_tile_chunk(const Header &header, Bytes payload) { return TileChunkReader(header, payload).read(); }
 
 }  // namespace sgi

@@ -11,7 +11,7 @@
 namespace sgi {
 namespace {
 
-constexpr double kUnit = 0x1p-24;  // of decoded attributes
+constexpr double kValueUnit = 0x1p-24;  // of decoded attributes
 
 void plain_gaussians(const ModelSpec &spec, const ModelSeeds &seeds, int threads, Isa isa, const SeedGaussians &out) {
   std::vector<int32_t> half_pixels(2 * seeds.count);
@@ -19,7 +19,7 @@ void plain_gaussians(const ModelSpec &spec, const ModelSeeds &seeds, int threads
     for (int axis = 0; axis < 2; ++axis)
       half_pixels[2 * i + axis] = 2 * seeds.corner[2 * i + axis] + (1 << seeds.log_size[i]);
   std::vector<double> values(seeds.count * spec.attributes());
-  for (size_t i = 0; i < values.size(); ++i) values[i] = double(seeds.decoded[i]) * kUnit;
+  for (size_t i = 0; i < values.size(); ++i) values[i] = double(seeds.decoded[i]) * kValueUnit;
   seed_gaussians({spec.channels}, {half_pixels.data(), seeds.log_size}, seeds.count, values.data(), threads, isa, out);
 }
 
@@ -68,7 +68,7 @@ class FeatureSeeds {
     const int width = spec_.attributes(), k = spec_.per_seed;
     std::vector<float> values(width), shapes(3 * k), hidden;
     for (int64_t seed = begin; seed < end; ++seed) {
-      for (int i = 0; i < width; ++i) values[i] = float(double(seeds_.decoded[seed * width + i]) * kUnit);
+      for (int i = 0; i < width; ++i) values[i] = float(double(seeds_.decoded[seed * width + i]) * kValueUnit);
       colours_.decode(values.data(), hidden, out_.colours + seed * k * spec_.channels);
       shapes_.decode(values.data(), hidden, shapes.data());
       write_places(values.data() + spec_.features, shapes, seed);

@@ -6,12 +6,12 @@
 
 #include "bitstream/attributes.hpp"
 #include "bitstream/frequency_tables.hpp"
+#include "bitstream/header.hpp"
 
 namespace sgi {
 
-constexpr int kMaxColours = 64;
 constexpr int kPlaceAttributes = 5;  // three of the shape, two of the offset
-constexpr int kMaxAttributes = kMaxColours + kPlaceAttributes;
+constexpr int kMaxAttributes = kMaxChannels + kPlaceAttributes;
 constexpr double kDecodedUnit = 1.0 / (1 << kFractionBits);  // of decoded values
 
 struct CodingModel {
@@ -27,8 +27,8 @@ struct CodingModel {
 // The values that a group's attributes may have: mean + step * symbol in units of 2^-24, coded with tables of these
 // scale indices.
 struct ReconstructionGrid {
-  int64_t mean[kMaxColours], step[kMaxColours];
-  int16_t scale[kMaxColours];
+  int64_t mean[kMaxChannels], step[kMaxChannels];
+  int16_t scale[kMaxChannels];
 
   double value(int j, int64_t symbol) const { return double(mean[j] + step[j] * symbol) * kDecodedUnit; }
   // The nearest symbol, away from the largest that a stream holds.

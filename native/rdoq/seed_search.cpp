@@ -23,12 +23,12 @@ void nearest(const CodingModel &model, Group group, const ReconstructionGrid &gr
 struct SeedSearch::Place {
   const Residual &residual;
   const Window &window;
-  Window drawn;                // the part of the window in which the Gaussian as rendered now ends
-  float colours[kMaxColours];  // as rendered now
-  float *g;                    // the Gaussian as rendered now
-  float *weighted;             // the same times the pixels' weights; g itself where all are 1
-  float *mixed;                // the residual with a candidate's colours in the old place, times these colours
-  float *fresh;                // the Gaussian that replaces it
+  Window drawn;                 // the part of the window in which the Gaussian as rendered now ends
+  float colours[kMaxChannels];  // as rendered now
+  float *g;                     // the Gaussian as rendered now
+  float *weighted;              // the same times the pixels' weights; g itself where all are 1
+  float *mixed;                 // the residual with a candidate's colours in the old place, times these colours
+  float *fresh;                 // the Gaussian that replaces it
 
   Plane working(float *plane) const { return {plane, window.stride}; }
 };
@@ -78,17 +78,17 @@ void SeedSearch::try_colours(const Place &place) {
   const double *old = seed_->values;
   ReconstructionGrid grid;
   context_.predict(kColour, 1, &grid);
-  float along[kMaxColours];  // each channel of the residual times G
+  float along[kMaxChannels];  // each channel of the residual times G
   for (int c = 0; c < channels; ++c)
     along[c] = kernel_.inner(place.residual.plane(c, place.window), place.window, place.weighted);
   const float square = kernel_.inner(place.working(place.g), place.window, place.weighted);
   for (int k = 0; k < count; ++k) {
-    int64_t symbols[kMaxColours];
+    int64_t symbols[kMaxChannels];
     nearest(model_, kColour, grid, old, symbols);
     if (k) symbols[(k - 1) / 2] += k % 2 ? 1 : -1;
     commit(model_, kColour, grid, symbols, candidates_[k]);
-    double moved[kMaxColours];
-    float delta[kMaxColours];
+    double moved[kMaxChannels];
+    float delta[kMaxChannels];
     for (int j = 0; j < channels; ++j) moved[j] = grid.value(j, symbols[j]) - old[j];
     colours_of(moved, delta);
     cost_[k] = settings_.lmbda * bits_of(model_, kColour, grid, symbols);
@@ -111,8 +111,8 @@ void SeedSearch::try_colours(const Place &place) {
 
 // Fills `mixed` for a candidate's colours; returns their square.
 float SeedSearch::mix(const Place &place, const Coded &coded) const {
-  double values[kMaxColours];
-  float colours[kMaxColours];
+  double values[kMaxChannels];
+  float colours[kMaxChannels];
   for (int j = 0; j < model_.channels(); ++j) values[j] = double(coded.decoded[j]) * kDecodedUnit;
   colours_of(values, colours);
   float power = 0, overlap = 0;
@@ -202,7 +202,7 @@ void SeedSearch::follow(const Place &place, const std::vector<int> &chosen) {
 
 void SeedSearch::replace(const Place &place, const Coded &coded) const {
   double values[kMaxAttributes];
-  float colours[kMaxColours];
+  float colours[kMaxChannels];
   for (int j = 0; j < model_.attributes(); ++j) values[j] = double(coded.decoded[j]) * kDecodedUnit;
   colours_of(values, colours);
   Splat splat;

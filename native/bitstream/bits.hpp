@@ -1,4 +1,4 @@
-// Where the bits of a texture layer go to, or come from: a RangeEncoder, a RangeDecoder, or nowhere.
+// Where bits go to that nobody keeps: beside a RangeEncoder and a RangeDecoder.
 #pragma once
 #include <cstdint>
 
