@@ -1,5 +1,6 @@
 #include "bitstream/arrays.hpp"
 
+#include <algorithm>
 #include <cstdlib>
 #include <string>
 
@@ -22,7 +23,9 @@ int64_t base_prediction(const int64_t *plane, int64_t columns, int64_t x, int64_
 
 template <class Coder>
 void code_weights(Coder &coder, std::vector<int64_t> &weights) {
-  std::vector<int32_t> symbols(weights.begin(), weights.end());
+  std::vector<int32_t> symbols;
+  for (const int64_t weight : weights)  // what is too large stays so
+    symbols.push_back(int32_t(std::clamp<int64_t>(weight, -INT32_MAX, INT32_MAX)));
   int table = Coder::kReads ? 0 : frequency_tables().best(symbols);
   coder.number(kTableBits, table);
   const std::vector<int16_t> tables(weights.size(), int16_t(table));

@@ -119,6 +119,7 @@ def test_any_bytes_decode_or_are_corrupt(
         ("code", ([0, 0], [0])),
         ("code_bits", ([4], 2)),
         ("code_bits", ([0], 33)),
+        ("code_weights", (np.array([1 << 32]),)),
     ],
 )
 def test_a_writer_refuses_what_cannot_be_coded(method: str, arguments: tuple[object, ...]) -> None:
