@@ -8,8 +8,8 @@
 namespace sgi {
 
 constexpr int kCertain = 65536;  // a probability of 1
-constexpr int kLeastP = 16;      // the least that models give
-constexpr int kLeastError = 17;  // that of bits which are as certain as models say
+constexpr int kMinP = 16;        // the least that models give
+constexpr int kMinError = 17;    // that of bits which are as certain as models say
 constexpr int kLogitBits = 14;   // of a logit in 2^-8
 constexpr int kMaxLogit = 3072;  // logits beyond are clipped
 constexpr int kCosts = 4096;     // of probabilities in 2^-12
@@ -37,7 +37,7 @@ struct BitModel {
   // Moves by a share of the error, bit - P(1) in 2^-16, that falls with the bits that it has seen. Not from the least
   // errors: what comes a million times would leave the range of logits.
   void learn(int32_t error, uint32_t limit) {
-    if (error >= -kLeastError && error <= kLeastError) return;
+    if (error >= -kMinError && error <= kMinError) return;
     const uint32_t seen = word & ((1 << kCountBits) - 1);
     move((error * kBitTables.rate[seen] + (1 << 15)) >> 16);
     word += seen < limit;

@@ -24,7 +24,7 @@ class PixelRepeats {
   template <class IsEqual>
   int64_t code(int64_t y, int64_t x, const IsEqual &is_equal) {
     look(y, x);
-    if (!count_ || probability_of(chance_->word) <= (is_graphic_ ? kLeastInGraphics : kLeast)) return -1;
+    if (!count_ || probability_of(chance_->word) <= (is_graphic_ ? kMinInGraphics : kLeast)) return -1;
     for (int rank = 0; rank < count_; ++rank) {
       int is_hit = is_equal(candidates_[size_t(rank)].number);
       code_hit(y, x, rank, is_hit);
@@ -71,7 +71,7 @@ class PixelRepeats {
   static constexpr uint32_t kModels = kFirst[3] + kMost * kSources * kPatterns;
   // Where more pixels than that are hit, as in text, tables serve. A hit that is less likely is not coded, there and
   // elsewhere.
-  static constexpr int32_t kGraphic = 30000, kLeastInGraphics = 2000, kLeast = 40000;
+  static constexpr int32_t kGraphic = 30000, kMinInGraphics = 2000, kLeast = 40000;
 
   // What is known of a pixel: its colour, and which candidate it was from 1 on, kMost + 1 for none; 0: not asked.
   struct Around {

@@ -6,9 +6,9 @@ namespace sgi {
 namespace {
 
 constexpr int kRow = kPredictorRow;
-constexpr double kBeside = 0.6;       // weight of the segments to the left and to the right
-constexpr double kRidge = 4;          // by how much weights are drawn to the prior
-constexpr double kLeastPivot = 1e-6;  // of an input's own sum; one that adds less to those before gets no weight
+constexpr double kBeside = 0.6;     // weight of the segments to the left and to the right
+constexpr double kRidge = 4;        // by how much weights are drawn to the prior
+constexpr double kMinPivot = 1e-6;  // of an input's own sum; one that adds less to those before gets no weight
 
 // Adds products to rows from `begin` to `end`, in columns from `first` to `last`.
 template <int first, int last>
@@ -47,7 +47,7 @@ void solve_weights(const float *own, const float *left, const float *right, cons
     double *row = matrix + i * kRow;
     row[i] += kRidge;
     row[inputs] += kRidge * prior[i];
-    least[i] = kLeastPivot * row[i];
+    least[i] = kMinPivot * row[i];
   }
   for (int k = 0; k < inputs; ++k) {
     const double *row = matrix + k * kRow;

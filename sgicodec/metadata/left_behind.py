@@ -44,7 +44,7 @@ _IDLE_SEGMENTS = (b"JFIF", b"JFXX", b"AVI1", b"SPIFF", b"Exif\0", b"ICC_PROFILE\
 """Beginnings of those that are kept, or say nothing of the picture itself."""
 _BEHIND = ("a video (motion photo)", "further pictures (MPF)")
 """What stands behind the end of a JPEG, where that says so."""
-_MOST_PADDING = 1 << 16
+_MAX_PADDING = 1 << 16
 _CREDENTIALS, _JUMBF = "Content Credentials", b"JP"
 _PNG_CHUNKS = (
     *(b"IHDR", b"PLTE", b"IDAT", b"tRNS", b"pHYs", b"eXIf", b"acTL", b"fcTL", b"fdAT"),
@@ -143,7 +143,7 @@ def _of_chunk(kind: bytes) -> str:
 def _behind(data: Bytes, at: int) -> list[str]:
     """Bytes behind the end of the picture, but for padding."""
     more = len(data) - at
-    is_padding = more < _MOST_PADDING and not bytes(data[at:]).strip(b"\0\xff\r\n ")
+    is_padding = more < _MAX_PADDING and not bytes(data[at:]).strip(b"\0\xff\r\n ")
     return [] if more <= 0 or is_padding else [f"{more:,} bytes behind its end"]
 
 

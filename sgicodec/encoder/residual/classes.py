@@ -20,7 +20,7 @@ _MAX_VALUES, _MAX_SCATTERED = 64, 16
 _NEAR_LEVELS = 16
 """Within so many levels of 8 bits all values change at the usual quality. Scattered ones that lie farther apart may be
 the grays of a scan, but of a map."""
-_LEAST_RUN = 8
+_MIN_RUN = 8
 """Pixels. Samples that were enlarged have shorter ones."""
 _ONE_VALUE = 1e-6
 """Parts of a sample that the range of a single value spans at most."""
@@ -76,7 +76,7 @@ def _labelled_bands(windows: Windows, plan: Plan) -> set[int]:
     return {
         band
         for band, (seen, values) in enumerate(runs)
-        if len(values.known) > 1 and _LEAST_RUN * seen.others < seen.pixels
+        if len(values.known) > 1 and _MIN_RUN * seen.others < seen.pixels
     }
 
 

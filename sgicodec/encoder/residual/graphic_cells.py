@@ -25,14 +25,24 @@ _NOVEL_INSIDE, _SIDES_INSIDE = 0.8, 3
 """The same of a cell that has such cells at so many of its sides."""
 _EDGE, _WEAK = 24, 6
 """Levels of 255 from a neighbour: from which on they are an edge, and up to which they are noise or a gradient."""
-_MAX_WEAK, _LEAST_EDGES, _SHARP = 0.1, 0.5, 8
-"""Of pixels of a cell that are weak; of novel pixels of an area, of pixels of a cell, that are edges: of text."""
-_LEAST_CELLS, _LEAST_SHARP = 16, 4
-"""Of an area: cells, and those that are sharp."""
-_FEW_COLOURS, _LEAST_GROUND, _LEAST_CONTRAST, _LEAST_INK, _LEAST_FAINT = 32, 0.4, 8, 0.1, 0.5
-"""Of an area of a block whose faint edges are drawn on purpose: its colours; pixels of the usual one; levels from that
-at which ink begins; of pixels that are not of the usual colour, those that are ink. Then of an area of the picture, the
-cells that are of such ones."""
+_MAX_WEAK = 0.1
+"""Share of a cell's pixels that are weak, in text."""
+_MIN_EDGES = 0.5
+"""Share of an area's novel pixels that are edges, in text."""
+_SHARP = 8
+"""Edges in a cell, from which on it is sharp."""
+_MIN_CELLS, _MIN_SHARP = 16, 4
+"""Cells of an area of text, and those of them that are sharp."""
+_FEW_COLOURS = 32
+"""The most frequent ones of an area; a cell of others has no faint edges that are drawn on purpose."""
+_MIN_GROUND = 0.4
+"""Share of such an area's pixels that have the usual colour."""
+_MIN_CONTRAST = 8
+"""Levels of 255 from the usual colour at which ink begins."""
+_MIN_INK = 0.1
+"""Share of pixels of other colours that are ink."""
+_MIN_FAINT = 0.5
+"""Share of the cells of an area of the picture that have such faint edges."""
 
 
 class CellCounts(NamedTuple):
@@ -70,8 +80,8 @@ class CellSurvey:
             np.bincount(areas.ravel(), weights.ravel(), minlength=found.size + 1)
             for weights in (found, novel, edges, edges >= _SHARP, self._faint)
         )
-        is_kept = (of_edges >= _LEAST_EDGES * of_novel) & (sharp >= _LEAST_SHARP) | (faint >= _LEAST_FAINT * size)
-        is_kept &= size >= _LEAST_CELLS
+        is_kept = (of_edges >= _MIN_EDGES * of_novel) & (sharp >= _MIN_SHARP) | (faint >= _MIN_FAINT * size)
+        is_kept &= size >= _MIN_CELLS
         kept: Cells = found & is_kept[areas]
         return kept
 
@@ -179,8 +189,8 @@ def _drawn_in_few_colours(pixels: NDArray[Any], cells: Cells, level: float) -> C
             _, first, times = np.unique(colour_keys(inside), return_index=True, return_counts=True)
             colours = inside[first].astype(np.float64)
             far = np.abs(colours - colours[times.argmax()]).max(axis=1) / level
-            ground, ink = times.max(), times[far >= _LEAST_CONTRAST].sum()
-            found |= part & (ground >= _LEAST_GROUND * times.sum() and ink > _LEAST_INK * times[far > 0].sum())
+            ground, ink = times.max(), times[far >= _MIN_CONTRAST].sum()
+            found |= part & (ground >= _MIN_GROUND * times.sum() and ink > _MIN_INK * times[far > 0].sum())
     return found
 
 
@@ -199,7 +209,7 @@ def _of_few_colours(pixels: NDArray[Any], area: Cells) -> Cells:
 def _large_areas(cells: Cells) -> list[Cells]:
     """Areas of these cells, each as cells, that are no specks."""
     areas = _areas(cells)
-    large = np.flatnonzero(np.bincount(areas.ravel())[1:] >= _LEAST_CELLS) + 1
+    large = np.flatnonzero(np.bincount(areas.ravel())[1:] >= _MIN_CELLS) + 1
     return [areas == number for number in large]
 
 

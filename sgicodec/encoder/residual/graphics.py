@@ -29,7 +29,7 @@ from sgicodec.model.tile_grid import Rect
 from sgicodec.picture import nodata_samples
 from sgicodec.profiles.default import DEFAULT_QUALITY
 
-_LEAST_SHARE = 1 / 256
+_MIN_SHARE = 1 / 256
 """Of cells of a picture that are text or line art, where it has any."""
 _EDGE_BITS, _EDGE_DOUBLING = 10.0, 40
 """Bits that a layer may take for a pixel of an edge at quality 50, and the steps of quality that double them: what a
@@ -104,7 +104,7 @@ def _divided(windows: Windows, plan: Plan, rects: Sequence[Rect]) -> Division:
     for rect in rects:
         survey.see(rect, windows.read(*rect).pixels)
     cells = survey.graphic()
-    if cells.mean() < _LEAST_SHARE:
+    if cells.mean() < _MIN_SHARE:
         return Division(windows, plan)
     above = plan.settings.chosen_quality - DEFAULT_QUALITY
     off = _ERROR * 2 ** (-above / _ERROR_HALVING) - 1
@@ -138,4 +138,4 @@ def _edge_bits(plan: Plan) -> float:
 def _has_some(windows: Windows, sample: Sequence[Rect]) -> bool:
     """Whether enough cells of blocks of a picture repeat themselves as text does to look at all."""
     repeat = [repeating_cells(windows.read(*rect).pixels) for rect in sample]
-    return sum(int(cells.sum()) for cells in repeat) >= _LEAST_SHARE * sum(cells.size for cells in repeat)
+    return sum(int(cells.sum()) for cells in repeat) >= _MIN_SHARE * sum(cells.size for cells in repeat)
