@@ -26,7 +26,7 @@ void code_weights(Coder &coder, std::vector<int64_t> &weights) {
   std::vector<int32_t> symbols;
   for (const int64_t weight : weights)  // what is too large stays so
     symbols.push_back(int32_t(std::clamp<int64_t>(weight, -INT32_MAX, INT32_MAX)));
-  int table = Coder::kReads ? 0 : frequency_tables().best(symbols);
+  int table = Coder::kReads ? 0 : symbol_costs().best(symbols);
   coder.number(kTableBits, table);
   const std::vector<int16_t> tables(weights.size(), int16_t(table));
   coder.zero_centred(tables.data(), int64_t(weights.size()), symbols.data());

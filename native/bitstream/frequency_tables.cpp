@@ -35,32 +35,41 @@ FrequencyTables read_tables() {
   const Bytes file = shipped_tables();
   std::vector<int32_t> supports;
   std::vector<int64_t> frequency, start{0};
-  std::vector<std::vector<double>> costs(kTables);
   const uint8_t *half = file.data + 2 * kTables;  // f(0), f(1), ..., f(S), f(escape) of each table
   for (int table = 0; table < kTables; ++table) {
     const auto support = int32_t(little_endian(file.data + 2 * table, 2));
     supports.push_back(support);
-    for (int32_t n = -support; n <= support + 1; ++n) {
-      frequency.push_back(little_endian(half + 4 * std::abs(n), 4));
-      costs[size_t(table)].push_back(kPrecision - std::log2(double(frequency.back())));
-    }
+    for (int32_t n = -support; n <= support + 1; ++n) frequency.push_back(little_endian(half + 4 * std::abs(n), 4));
     start.push_back(int64_t(frequency.size()));
     half += 4 * (support + 2);
   }
-  return {std::move(supports), {frequency.data(), start.data(), kTables}, escape_models(), std::move(costs)};
+  return {std::move(supports), {frequency.data(), start.data(), kTables}, escape_models()};
+}
+
+SymbolCosts costs_of(const SymbolModels &models) {
+  SymbolCosts costs;
+  for (int table = 0; table < kTables; ++table) {
+    const uint32_t *const sums = models.sums(table);
+    std::vector<double> bits;
+    for (int64_t i = 0; i < models.symbols(table); ++i)
+      bits.push_back(kPrecision - std::log2(double(sums[i + 1] - sums[i])));
+    costs.known.push_back(std::move(bits));
+  }
+  return costs;
 }
 
 }  // namespace
 
-double FrequencyTables::bits(int64_t symbol, int table) const {
-  const int32_t within = support[size_t(table)];
+double SymbolCosts::bits(int64_t symbol, int table) const {
+  const std::vector<double> &costs = known[size_t(table)];
+  const auto within = int64_t(costs.size()) / 2 - 1;  // from -within to within, and the escape
   const int64_t beyond = std::abs(symbol) - within;
-  if (beyond <= 0) return costs[size_t(table)][size_t(within + symbol)];
+  if (beyond <= 0) return costs[size_t(within + symbol)];
   const int exponent = 63 - __builtin_clzll(static_cast<unsigned long long>(beyond));
-  return costs[size_t(table)].back() + std::min(exponent + 1, kEscapeExponents - 1) + exponent + 1;
+  return costs.back() + std::min(exponent + 1, kEscapeExponents - 1) + exponent + 1;
 }
 
-int FrequencyTables::best(const std::vector<int32_t> &symbols) const {
+int SymbolCosts::best(const std::vector<int32_t> &symbols) const {
   std::map<int32_t, double> counts;
   for (const int32_t symbol : symbols) ++counts[symbol];
   std::array<double, kTables> cost{};
@@ -72,6 +81,11 @@ int FrequencyTables::best(const std::vector<int32_t> &symbols) const {
 const FrequencyTables &frequency_tables() {
   static const FrequencyTables tables = read_tables();
   return tables;
+}
+
+const SymbolCosts &symbol_costs() {
+  static const SymbolCosts costs = costs_of(frequency_tables().models);
+  return costs;
 }
 
 }  // namespace sgi

@@ -12,17 +12,21 @@ constexpr int kMaxMagnitude = 1 << 20;           // of a symbol
 constexpr int kTableBits = 7, kFamilySize = 64;  // of a table's number; tables of a family
 
 struct FrequencyTables {
-  std::vector<int32_t> support;            // of each table: symbols from -support to support, and an escape
-  SymbolModels models, exponents;          // of the tables; of what stands behind an escape
-  std::vector<std::vector<double>> costs;  // of each table the bits of its symbols, then of the escape
+  std::vector<int32_t> support;    // of each table: symbols from -support to support, and an escape
+  SymbolModels models, exponents;  // of the tables; of what stands behind an escape
+};
 
-  // Information content of a symbol under a table, in bits.
+// What symbols cost under the tables, in bits.
+struct SymbolCosts {
+  std::vector<std::vector<double>> known;  // of each table: of its symbols, then of the escape
+
   double bits(int64_t symbol, int table) const;
   // The table under which all symbols together cost the fewest bits.
   int best(const std::vector<int32_t> &symbols) const;
 };
 
-// Made once.
+// Made once each; readers need no costs.
 const FrequencyTables &frequency_tables();
+const SymbolCosts &symbol_costs();
 
 }  // namespace sgi

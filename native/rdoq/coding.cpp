@@ -54,7 +54,7 @@ void SeedContext::predict(Group group, int count, ReconstructionGrid *grids) {
 double bits_of(const CodingModel &model, Group group, const ReconstructionGrid &grid, const int64_t *symbols) {
   double bits = 0;
   for (int j = 0; j < model.group(group).size(); ++j)
-    bits += model.tables.bits(symbols[j], model.coding.first_table + grid.scale[j]);
+    bits += model.costs.bits(symbols[j], model.coding.first_table + grid.scale[j]);
   return bits;
 }
 

@@ -16,7 +16,7 @@ constexpr double kDecodedUnit = 1.0 / (1 << kFractionBits);  // of decoded value
 
 struct CodingModel {
   const AttributeModel &coding;  // of plain seeds: each group has a step of its own
-  const FrequencyTables &tables = frequency_tables();
+  const SymbolCosts &costs = symbol_costs();
 
   int channels() const { return coding.channels; }
   int attributes() const { return int(coding.attributes); }
