@@ -1,6 +1,7 @@
 #include "bitstream/seed_tree.hpp"
 
 #include <algorithm>
+#include <optional>
 #include <string>
 
 #include "base/error.hpp"
@@ -63,9 +64,10 @@ int64_t TreeNodes::memory(int64_t width, int64_t height) {
 
 template <class Coder>
 void code_tree(Coder &coder, int64_t width, int64_t height, int64_t most, Seeds &seeds) {
-  const TreeNodes given = Coder::kReads ? TreeNodes(width, height) : tree_of(width, height, seeds);
+  std::optional<TreeNodes> given;
+  if (!Coder::kReads) given = tree_of(width, height, seeds);
   TreeNodes nodes(width, height);
-  TreeCoding coding(coder.range(), nodes, Coder::kReads ? nullptr : &given);
+  TreeCoding coding(coder.range(), nodes, given ? &*given : nullptr);
   int64_t split = 1, count = 0;
   const auto require_few = [&](int64_t found) {
     if (found > most) throw Error(Fault::limit, "positions: more than " + std::to_string(most) + " seeds");

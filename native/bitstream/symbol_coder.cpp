@@ -56,23 +56,24 @@ void SymbolCoder<Range>::values(int bits, int64_t count, int32_t *values) {
 template <class Range>
 void SymbolCoder<Range>::zero_centred(const int16_t *keys, int64_t n, int32_t *symbols) {
   const FrequencyTables &tables = frequency_tables();
+  const int32_t *const supports = tables.support.data();
   std::vector<int32_t> order(static_cast<size_t>(n)), indices(static_cast<size_t>(n)), beyond;
   std::vector<int64_t> start(kTables + 1);
   group_by_key(keys, n, kTables, order.data(), start.data());
   for (int64_t i = 0; i < n && !kReads; ++i) {
-    const int32_t symbol = symbols[order[i]], support = tables.support[size_t(keys[order[i]])];
+    const int32_t symbol = symbols[order[i]], support = supports[keys[order[i]]];
     require_magnitude(std::abs(int64_t(symbol)), Fault::usage, "use a larger step");
     indices[size_t(i)] = std::abs(symbol) > support ? 2 * support + 1 : symbol + support;
   }
   range_.code(tables.models, start.data(), kTables, indices.data());
   bool any = false;
   for (int64_t i = 0; i < n; ++i) {
-    const int32_t support = tables.support[size_t(keys[order[i]])];
+    const int32_t support = supports[keys[order[i]]];
     any |= indices[size_t(i)] == 2 * support + 1;
     if (kReads) symbols[order[i]] = indices[size_t(i)] - support;
   }
   for (int64_t i = 0; i < n && any; ++i)
-    if (std::abs(symbols[i]) > tables.support[size_t(keys[i])]) beyond.push_back(int32_t(i));
+    if (std::abs(symbols[i]) > supports[keys[i]]) beyond.push_back(int32_t(i));
   if (any) escaped(keys, beyond, symbols);
   record(symbols, n);
 }
