@@ -46,6 +46,6 @@ static void *begin_pfm(const picture_facts *facts) {
 #define OPAQUE (1 << SGI_LAYOUT_GRAY | 1 << SGI_LAYOUT_RGB)
 #define ALL (OPAQUE | 1 << SGI_LAYOUT_MULTI | 1 << SGI_LAYOUT_GRAY_ALPHA | 1 << SGI_LAYOUT_RGBA)
 
-const picture_format pnm_format = {"pnm", INTEGERS, OPAQUE, 0, begin_pnm, write_samples, free};
-const picture_format pam_format = {"pam", INTEGERS, ALL, 0, begin_pam, write_samples, free};
-const picture_format pfm_format = {"pfm", 1 << SGI_SAMPLE_F32, OPAQUE, 1, begin_pfm, write_samples, free};
+const picture_format pnm_format = {"pnm", INTEGERS, OPAQUE, 0, 0, begin_pnm, write_samples, free};
+const picture_format pam_format = {"pam", INTEGERS, ALL, 0, 0, begin_pam, write_samples, free};
+const picture_format pfm_format = {"pfm", 1 << SGI_SAMPLE_F32, OPAQUE, 1, 0, begin_pfm, write_samples, free};

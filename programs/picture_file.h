@@ -19,6 +19,7 @@ typedef struct picture_format {
   int samples;    /* bits: 1 << sgi_sample for each that it holds */
   int layouts;    /* bits: 1 << sgi_layout */
   int from_below; /* whether the last row comes first */
+  int metadata;   /* bits: 1 << sgi_metadata for each kind that it holds */
   void *(*begin)(const picture_facts *facts);
   /* Rows of samples in the machine's byte order, which may be changed, in the order in which the format has them. */
   void (*write)(void *state, unsigned char *samples, uint32_t rows);

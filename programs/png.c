@@ -86,6 +86,7 @@ const picture_format png_format = {
     1 << SGI_SAMPLE_U8 | 1 << SGI_SAMPLE_U16,
     1 << SGI_LAYOUT_GRAY | 1 << SGI_LAYOUT_GRAY_ALPHA | 1 << SGI_LAYOUT_RGB | 1 << SGI_LAYOUT_RGBA,
     0,
+    1 << SGI_METADATA_ICC | 1 << SGI_METADATA_EXIF | 1 << SGI_METADATA_XMP,
     begin,
     write_rows,
     end,

@@ -133,6 +133,11 @@ static void draw(sgi_stream *stream, sgi_view view, const picture_format *format
   free(rows);
 }
 
+static void list(char *names, const char *name) {
+  if (*names) strcat(names, ", ");
+  strcat(names, name);
+}
+
 /* Says where samples are those of the lossy picture. other: what they have that is not the stream's own, or NULL. */
 static void tell_loss(const decode_options *options, sgi_stream *stream, const char *other, const char *name) {
   const char *out = strcmp(options->out, "-") ? options->out : "stdout";
@@ -142,6 +147,21 @@ static void tell_loss(const decode_options *options, sgi_stream *stream, const c
   stop_at(sgi_get_exact_views(stream, &exact_views), name);
   if (other && max_error >= 0 && !exact_views && !options->lossy)
     complain("%s: samples are those of the lossy picture: its residual layer has the stream's %s alone", out, other);
+}
+
+/* Says what of the stream OUT does not hold beside its samples. */
+static void tell_left_out(const decode_options *options, sgi_stream *stream, const sgi_info *info,
+                          const picture_format *format) {
+  static const char *const kinds[] = {"ICC profile", "EXIF", "XMP", "place"};
+  char left_out[64] = "";
+  for (int kind = SGI_METADATA_ICC; kind <= SGI_METADATA_PLACE; ++kind) {
+    const void *bytes = NULL;
+    size_t size;
+    if (options->no_metadata || format->metadata >> kind & 1) continue;
+    if (sgi_get_metadata(stream, kind, &bytes, &size) == SGI_OK && bytes) list(left_out, kinds[kind]);
+  }
+  if (info->has_nodata) list(left_out, "nodata value");
+  if (*left_out) complain("%s: not kept: %s", strcmp(options->out, "-") ? options->out : "stdout", left_out);
 }
 
 static void decode(const decode_options *options, sgi_stream *stream) {
@@ -169,6 +189,7 @@ static void decode(const decode_options *options, sgi_stream *stream) {
   format->end(state);
   finish_output();
   const int scaled = view.columns != view.width || view.rows != view.height;
+  tell_left_out(options, stream, &info, format);
   tell_loss(options, stream, view.sample != info.sample ? "depth" : scaled ? "scale" : NULL, name);
 }
 

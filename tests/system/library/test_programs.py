@@ -74,6 +74,7 @@ def read(path: Path) -> NDArray[Any]:
 def test_pictures_are_those_of_the_package(path: Path, sgidec: Path, formats: set[str], tmp_path: Path) -> None:
     with sgicodec.open(path) as stream:
         layout, is_lossy_elsewhere = stream.header.channels, stream.max_error is not None and not stream.has_exact_views
+        has_nodata = stream.header.masked == "nodata"
         for bits, dtype in DEPTHS.items():
             is_lossy = is_lossy_elsewhere and stream.header.sample_type != dtype
             floats = {"pfm"} if layout in ("gray", "rgb") else set()
@@ -82,14 +83,15 @@ def test_pictures_are_those_of_the_package(path: Path, sgidec: Path, formats: se
                 out = tmp_path / f"{bits}.{extension}"
                 result = run(sgidec, path, out, "--depth", bits)
                 assert (result.returncode, b"those of the lossy picture" in result.stderr) == (0, is_lossy)
-                assert len(result.stderr.splitlines()) == is_lossy
+                assert (b"not kept: nodata value" in result.stderr) == has_nodata
+                assert len(result.stderr.splitlines()) == is_lossy + has_nodata
                 np.testing.assert_array_equal(read(out), stream.picture(dtype=dtype).pixels)
                 assert list(tmp_path.iterdir()) == [out]
                 out.unlink()
         if is_lossy_elsewhere and stream.header.sample_type != "float32" and layout != "multi":
             out, size = tmp_path / "a.pam", f"{stream.width // 2}x{stream.height}!"
             assert b"the stream's scale alone" in run(sgidec, path, out, "--size", size).stderr
-            assert run(sgidec, path, out, "--size", size, "--lossy", "-f").stderr == b""
+            assert b"alone" not in run(sgidec, path, out, "--size", size, "--lossy", "-f").stderr
 
 
 @pytest.mark.parametrize(
@@ -251,6 +253,8 @@ def test_metadata_travel_in_png(sgidec: Path, formats: set[str], tmp_path: Path)
         assert image.getexif()[0x010E] == "a description"
     done(sgidec, tmp_path / "a.sgi", tmp_path / "b.png", "--no-metadata")
     assert sgicodec.read(tmp_path / "b.png").metadata == Metadata()
+    for options, told in ([], "sgidec: stdout: not kept: ICC profile, EXIF, XMP\n"), (["--no-metadata"], ""):
+        assert run(sgidec, tmp_path / "a.sgi", "-", *options).stderr.decode() == told
 
 
 def test_a_profile_that_png_refuses_is_told(sgidec: Path, formats: set[str], tmp_path: Path) -> None:
