@@ -101,7 +101,7 @@ def check_features(device: Device, pixels: np.ndarray, number: int = 60) -> str:
     steps = DeviceFeatureStep(spec, settings, far, size), FeatureStep(spec, settings, raster, size, device)
     results = []
     for step in steps:
-        step.set_layout(layout, trainer.quality)
+        step.set_layout(layout, trainer.colour_step)
         results.append(step.run(trainer.parameters, "noise", number, trainer.levels[0], _FEATURE_RATE))
     found, expected = results
     apart = {name: _apart(found.gradients[name], want) for name, want in expected.gradients.items()}

@@ -74,7 +74,7 @@ class Seeds:
     def __init__(self, header: Header, model: TileModel) -> None:
         self.spec, self.networks, self.count = header.spec, model.networks, len(model.layout)
         self.proxy = QuantizationProxy(header.spec, header.family)
-        self.proxy.set_layout(model.layout, header.quality, header.width, header.height)
+        self.proxy.set_layout(model.layout, header.colour_step, header.width, header.height)
         self.steps = torch.from_numpy(flat_steps(header.spec, model.plan))
         decoded = torch.from_numpy(model.decoded_values).float()
         self.values = {group.name: decoded[:, group.columns] for group in header.spec.groups}

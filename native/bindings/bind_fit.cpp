@@ -28,14 +28,14 @@ void require_rows(const A &array, int64_t rows, int64_t columns, const char *wha
 }
 
 void set_layout(sgi::SeedFit &self, Array<const int32_t, 2> half_pixels, Array<const int8_t, 1> log_size,
-                Array<const int32_t, 2> neighbour, int quality) {
+                Array<const int32_t, 2> neighbour, int colour_step) {
   const int64_t n = int64_t(log_size.shape(0)), k = int64_t(neighbour.shape(1));
   require_rows(half_pixels, n, 2, "half_pixels must be [N, 2]");
   require_rows(neighbour, n, k, "neighbour must be [N, k]");
   require(k <= sgi::kMaxNeighbours, "there are more neighbours than weights for them");
   sgi::require_cells(log_size);
   for (int64_t i = 0; i < n * k; ++i) require(neighbour.data()[i] < n, "a neighbour is no seed");
-  self.set_layout({half_pixels.data(), log_size.data()}, n, neighbour.data(), int(k), quality);
+  self.set_layout({half_pixels.data(), log_size.data()}, n, neighbour.data(), int(k), colour_step);
 }
 
 double forward(sgi::SeedFit &self, In2 colour, In2 shape, In2 offset, In1 steps, int rounding, uint32_t key,
@@ -71,7 +71,7 @@ void backward(sgi::SeedFit &self, In2 means, In2 covariances, In2 colours, float
   self.backward(g, steps.data());
 }
 
-void set_pixels(sgi::FeatureFit &self, Array<const int32_t, 2> half_pixels, int quality, int64_t width,
+void set_pixels(sgi::FeatureFit &self, Array<const int32_t, 2> half_pixels, int colour_step, int64_t width,
                 int64_t height) {
   const int64_t n = int64_t(half_pixels.shape(0));
   require_rows(half_pixels, n, 2, "half_pixels must be [N, 2]");
@@ -81,7 +81,7 @@ void set_pixels(sgi::FeatureFit &self, Array<const int32_t, 2> half_pixels, int 
       const int64_t at = half_pixels.data()[2 * i + axis];
       require(at >= 0 && at <= 2 * (axis ? height : width), "a seed lies beyond the picture");
     }
-  self.set_layout(half_pixels.data(), n, quality, width, height);
+  self.set_layout(half_pixels.data(), n, colour_step, width, height);
 }
 
 double draw_features(sgi::FeatureFit &self, In2 feature, In2 scales, In2 offset, In1 decoders, In1 first, In1 rest,
@@ -156,7 +156,7 @@ void bind_fit(nb::module_ &m) {
             new (self) sgi::SeedFit(sgi::choose_isa(isa), threads, channels, hidden, first.data(), rest.data());
           },
           "isa"_a, "threads"_a, "channels"_a, "hidden"_a, "first"_a, "rest"_a)
-      .def("set_layout", &set_layout, "half_pixels"_a, "log_size"_a, "neighbour"_a, "quality"_a)
+      .def("set_layout", &set_layout, "half_pixels"_a, "log_size"_a, "neighbour"_a, "colour_step"_a)
       .def("forward", &forward, "colour"_a, "shape"_a, "offset"_a, "steps"_a, "rounding"_a, "key"_a, "negative"_a,
            "predicts"_a, "means"_a, "covariances"_a, "colours"_a)
       .def("backward", &backward, "means"_a, "covariances"_a, "colours"_a, "lmbda"_a, "colour"_a, "shape"_a, "offset"_a,
@@ -178,7 +178,7 @@ void bind_fit(nb::module_ &m) {
           },
           "isa"_a, "threads"_a, "per_seed"_a, "channels"_a, "features"_a, "hidden"_a, "context_hidden"_a,
           "hash_resolutions"_a, "hash_features"_a, "hash_log2_entries"_a)
-      .def("set_layout", &set_pixels, "half_pixels"_a, "quality"_a, "width"_a, "height"_a)
+      .def("set_layout", &set_pixels, "half_pixels"_a, "colour_step"_a, "width"_a, "height"_a)
       .def("forward", &draw_features, "feature"_a, "scales"_a, "offset"_a, "decoders"_a, "first"_a, "rest"_a,
            "tables"_a, "steps"_a, "rounding"_a, "priced"_a, "key"_a, "negative"_a, "scale"_a, "share"_a, "means"_a,
            "covariances"_a, "colours"_a)

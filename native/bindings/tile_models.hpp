@@ -34,7 +34,7 @@ struct SeedCoding {
   SeedCoding(const nanobind::bytes &fields, nanobind::handle of, const std::string &isa)
       : header(decode_header(bytes_of(fields))), tile(seeds_of(header, of)),
         grid(header.spec.context, header.width, header.height),
-        model(attribute_model(header.spec, tile.coding.plan, tile.coding.networks, header.quality, header.family,
+        model(attribute_model(header.spec, tile.coding.plan, tile.coding.networks, header.colour_step, header.family,
                               choose_isa(isa))),
         seeds(header.spec.context, tile.corner, tile.log_size) {
     if (!tile.coding.signs.empty()) model.grid = &grid, model.grid_signs = tile.coding.signs.data();

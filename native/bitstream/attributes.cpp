@@ -137,7 +137,7 @@ class AttributeWalk {
   void begin_seeds(const std::vector<int64_t> &members, const std::vector<int32_t> &table, size_t begin, size_t count) {
     for (size_t i = begin; i < begin + count; ++i) log_size_[i] = seeds_.view.log_size[members[i]];
     seed_inputs(seeds_.view, {table.data() + begin * size_t(model_.ranks), model_.ranks}, summary_.data(),
-                members.data() + begin, int64_t(count), model_.quality, inputs_.data() + begin * size_t(stride_),
+                members.data() + begin, int64_t(count), model_.colour_step, inputs_.data() + begin * size_t(stride_),
                 stride_);
     if (model_.grid)
       model_.grid->write_inputs(model_.grid_signs, seeds_.view.half_pixels, members.data() + begin, int64_t(count),

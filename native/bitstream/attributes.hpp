@@ -14,8 +14,8 @@ struct AttributeModel {
   std::vector<AttributeStep> steps;
   int64_t attributes;  // d_A
   int channels, colour, shape;
-  int quality, ranks;   // of neighbours, 0 for none
-  int16_t first_table;  // of the family
+  int colour_step, ranks;  // of neighbours, 0 for none
+  int16_t first_table;     // of the family
   Isa isa;
   const HashGrid *grid = nullptr;  // null for none
   const uint8_t *grid_signs = nullptr;

@@ -42,11 +42,12 @@ template void code_networks(SymbolReader &coder, const ModelSpec &spec, Networks
 template void code_networks(SymbolWriter &coder, const ModelSpec &spec, Networks &networks);
 
 AttributeModel attribute_model(const ModelSpec &spec, const std::vector<GroupSteps> &plan, const Networks &networks,
-                               int quality, int family, Isa isa) {
+                               int colour_step, int family, Isa isa) {
   AttributeModel model;
   model.attributes = spec.attributes(), model.channels = spec.channels;
   model.colour = 0, model.shape = spec.is_plain() ? spec.channels : 0;
-  model.quality = quality, model.ranks = spec.context.neighbours, model.first_table = int16_t(kFamilySize * family);
+  model.colour_step = colour_step, model.ranks = spec.context.neighbours,
+  model.first_table = int16_t(kFamilySize * family);
   model.isa = isa;
   auto steps_of = plan.begin();
   const auto steps = coding_steps(spec);

@@ -18,6 +18,6 @@ void code_networks(Coder &coder, const ModelSpec &spec, Networks &networks);
 // How attributes are coded: `plan` has the steps of each group in coding order. The networks are made ready for an
 // instruction set.
 AttributeModel attribute_model(const ModelSpec &spec, const std::vector<GroupSteps> &plan, const Networks &networks,
-                               int quality, int family, Isa isa);
+                               int colour_step, int family, Isa isa);
 
 }  // namespace sgi

@@ -27,7 +27,7 @@ struct Header {
   std::vector<double> low, high;  // [C] samples that 0 and 1 of the model stand for; alpha spans its type
   int profile;                    // 0 default, 1 paper
   ModelSpec spec;
-  int quality, family;  // index of the base colour step; of the frequency tables
+  int colour_step, family;  // index of the base colour step; of the frequency tables
   int64_t tile, apron;  // the largest side of a core, 0 for one tile; pixels that a tile reaches over its neighbours
   Masked masked;        // which pixels tiles may say hold nothing
   double nodata;        // what such a pixel holds, with Masked::nodata

@@ -56,7 +56,7 @@ void visit_fields(Header &header, Visitor &visit) {
   visit.number("spec.features", "D", spec.features, 1, kMaxFeatures);
   visit.number("spec.hidden", "the decoders' width", spec.hidden, 0, kMaxHidden);
   visit.number("spec.base_cell", "the base cell", spec.base_cell, 0, 1 << 12);
-  visit.number("quality", "the base step", header.quality, 0, 255);
+  visit.number("colour_step", "the base step", header.colour_step, 0, 255);
   visit.number("family", "the table family", header.family, 0, 1);
   visit.number("spec.context.prior", "the prior", context.prior, 0, 255);
   visit.number("spec.context.hidden", "the context model's width", context.hidden, 1, kMaxHidden);

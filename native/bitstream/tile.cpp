@@ -57,7 +57,7 @@ class TileParts {
     plan.resize(groups.size());
     for (size_t g = 0; g < groups.size(); ++g) {
       GroupSteps &steps = plan[g];
-      const std::vector<int64_t> defaults = default_steps(spec_, groups[g], header_.quality);
+      const std::vector<int64_t> defaults = default_steps(spec_, groups[g], header_.colour_step);
       std::vector<int64_t> differences(defaults.size());
       steps.base.resize(defaults.size());
       for (size_t i = 0; i < defaults.size(); ++i) differences[i] = steps.base[i] - defaults[i];
@@ -122,7 +122,8 @@ class TileParts {
     }
     coder_.begin(Part::context_model);
     code_networks(coder_, spec_, coding.networks);
-    AttributeModel of = attribute_model(spec_, coding.plan, coding.networks, header_.quality, header_.family, how_.isa);
+    AttributeModel of =
+        attribute_model(spec_, coding.plan, coding.networks, header_.colour_step, header_.family, how_.isa);
     if (grid) of.grid = &*grid, of.grid_signs = coding.signs.data();
     const TileSeeds seeds(spec_.context, model.corner, model.log_size);
     model.decoded.resize(size_t(seeds.count * spec_.attributes()));

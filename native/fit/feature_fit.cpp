@@ -30,11 +30,11 @@ FeatureFit::FeatureFit(Isa isa, int threads, const FeatureModel &model, const Co
   state_.hash_features = state_.resolutions * context.hash_features;
 }
 
-void FeatureFit::set_layout(const int32_t *half_pixels, int64_t n, int quality, int64_t width, int64_t height) {
+void FeatureFit::set_layout(const int32_t *half_pixels, int64_t n, int colour_step, int64_t width, int64_t height) {
   FeatureState &s = state_;
   const HashGrid grid(context_, width, height);
   s.count = n;
-  level_inputs_of<float>(0, quality, level_inputs_);
+  level_inputs_of<float>(0, colour_step, level_inputs_);
   half_pixels_.assign(half_pixels, half_pixels + 2 * n);
   table_starts_.assign(1, 0);
   for (const int64_t count : grid.counts()) table_starts_.push_back(table_starts_.back() + count);

@@ -38,7 +38,7 @@ class FeatureFit {
   FeatureFit(Isa isa, int threads, const FeatureModel &model, const ContextSpec &context);
 
   // n seeds of one pixel in a picture of this size.
-  void set_layout(const int32_t *half_pixels, int64_t n, int quality, int64_t width, int64_t height);
+  void set_layout(const int32_t *half_pixels, int64_t n, int colour_step, int64_t width, int64_t height);
   // Bits of all seeds; 0 where they do not count.
   double forward(const FeatureValues &values, const FeatureParameters &parameters, const FeatureDrawing &drawing,
                  const SeedGaussians &out);

@@ -62,7 +62,7 @@ struct FeatureState : FeatureModel {
   const float *feature, *scales, *offset;  // [N, D], [N, 4] logarithms, [N, 2 K]
   const float *decoders;                   // W1, b1, W2, b2 of MLP_c, then of MLP_Sigma
   const float *first, *rest;               // W1 of MLP_p; b1, W2, b2
-  const float *bias;                       // b1 with what W1 makes of cell size and quality, the same for all seeds
+  const float *bias;                       // b1 with what W1 makes of cell size and colour step, the same for all seeds
   const float *steps;                      // [d_A] Q
   const int32_t *entry;                    // [N, resolutions, 4] of H, where each entry has entry_features
   const float *weight;                     // [N, resolutions, 4], which sum to 1

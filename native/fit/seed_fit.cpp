@@ -25,7 +25,7 @@ SeedFit::SeedFit(Isa isa, int threads, int channels, int hidden, const float *fi
   state_.set_networks(first_.data(), rest_.data());
 }
 
-void SeedFit::set_layout(const SeedsView &seeds, int64_t n, const int32_t *neighbour, int neighbours, int quality) {
+void SeedFit::set_layout(const SeedsView &seeds, int64_t n, const int32_t *neighbour, int neighbours, int colour_step) {
   half_pixels_.assign(seeds.half_pixels, seeds.half_pixels + 2 * n);
   log_size_.assign(seeds.log_size, seeds.log_size + n);
   neighbour_.assign(neighbour, neighbour + n * neighbours);
@@ -35,7 +35,7 @@ void SeedFit::set_layout(const SeedsView &seeds, int64_t n, const int32_t *neigh
   decoded_.resize(padded * state_.attributes());
   state_.count = n;
   state_.neighbours = neighbours;
-  state_.quality = quality;
+  state_.colour_step = colour_step;
   state_.seeds = {half_pixels_.data(), log_size_.data()};
   state_.neighbour = neighbour_.data();
   state_.summary = summary_.data();

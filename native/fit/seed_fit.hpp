@@ -16,7 +16,7 @@ class SeedFit {
   SeedFit(Isa isa, int threads, int channels, int hidden, const float *first, const float *rest);
 
   // n seeds and the nearest of each [n, neighbours], negative for none.
-  void set_layout(const SeedsView &seeds, int64_t n, const int32_t *neighbour, int neighbours, int quality);
+  void set_layout(const SeedsView &seeds, int64_t n, const int32_t *neighbour, int neighbours, int colour_step);
   // Bits of all seeds; 0 without rounding. steps [kSteps]: base steps, then γ. predicts: whether MLP_p runs; otherwise
   // what it said last stands.
   double forward(const std::array<const float *, kGroups> &values, const float *steps, Rounding rounding, NoiseKey key,

@@ -29,7 +29,7 @@ inline void common_inputs(const SeedState &s, const Block &block, vf *inputs) {
   float one[kCommonInputs];
   for (int i = 0; i < LANES; ++i) {
     const int64_t seed = block.row[i];
-    level_inputs_of<float>(s.seeds.log_size[seed], s.quality, one);
+    level_inputs_of<float>(s.seeds.log_size[seed], s.colour_step, one);
     neighbour_inputs_of<float>(s.seeds, s.neighbour + seed * s.neighbours, s.neighbours, s.summary, seed,
                                one + kLevelInputs);
     for (int c = 0; c < kCommonInputs; ++c) set_lane(inputs[c], i, clampv(one[c], from_units<float>(kInputLimit)));

@@ -26,7 +26,7 @@ struct SeedState : SeedModel {
   int64_t count;   // N
   int hidden;      // width of MLP_p
   int neighbours;  // columns of `neighbour`
-  int quality;
+  int colour_step;
   SeedsView seeds;
   const int32_t *neighbour;     // [N, neighbours] seeds, -1 for none
   const float *value[kGroups];  // [N, C], [N, 3], [N, 2] attributes

@@ -49,11 +49,11 @@ const std::array<int64_t, kStepCount> kSteps = all_steps();
 int64_t step_of(int64_t index) { return kSteps[size_t(index)]; }
 
 void seed_inputs(const SeedsView &seeds, const Neighbours &neighbours, const int16_t *summary, const int64_t *members,
-                 int64_t n, int quality, int16_t *out, int64_t stride) {
+                 int64_t n, int colour_step, int16_t *out, int64_t stride) {
   for (int64_t i = 0; i < n; ++i) {
     const int64_t seed = members[i];
     int16_t *row = out + i * stride;
-    level_inputs_of<int>(seeds.log_size[seed], quality, row);
+    level_inputs_of<int>(seeds.log_size[seed], colour_step, row);
     if (neighbours.ranks)
       neighbour_inputs_of<int>(seeds, neighbours.seeds + i * neighbours.ranks, neighbours.ranks, summary, seed,
                                row + kLevelInputs);

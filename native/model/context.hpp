@@ -16,10 +16,10 @@ struct Neighbours {
   int ranks;
 };
 
-// Inputs 1 and 2 of the seeds `members` [n]: cell size and quality, then, if there are ranks, what the neighbours'
+// Inputs 1 and 2 of the seeds `members` [n]: cell size and colour step, then, if there are ranks, what the neighbours'
 // summaries [N, 7] say. Writes the first columns of out [n, stride].
 void seed_inputs(const SeedsView &seeds, const Neighbours &neighbours, const int16_t *summary, const int64_t *members,
-                 int64_t n, int quality, int16_t *out, int64_t stride);
+                 int64_t n, int colour_step, int16_t *out, int64_t stride);
 
 struct AttributesView {
   const int64_t *values;  // [N, width] decoded

@@ -74,12 +74,12 @@ inline void own_inputs_of(const T *row, int step, Out *out) {
   for (int j = 0; j < 2; ++j) out[10 + j] = Out(absv(row[5 + j]));
 }
 
-// Cell size and quality: kLevelInputs numbers.
+// Cell size and colour step: kLevelInputs numbers.
 template <class T, class Out>
-inline void level_inputs_of(int log_size, int quality, Out *out) {
+inline void level_inputs_of(int log_size, int colour_step, Out *out) {
   for (int level = 0; level < kLevels; ++level) out[level] = Out(from_units<T>(0));
   out[level_of(log_size)] = Out(from_units<T>(1 << kInputBits));
-  out[kLevels] = Out(from_units<T>((quality << kInputBits) / 12));
+  out[kLevels] = Out(from_units<T>((colour_step << kInputBits) / 12));
 }
 
 // What neighbours say: kNeighbourInputs numbers. `ranked` [ranks]: nearest first, negative from where there are no

@@ -53,13 +53,13 @@ int network_outputs(const ModelSpec &spec, const std::vector<SeedGroup> &groups)
   return outputs;
 }
 
-std::vector<int64_t> default_steps(const ModelSpec &spec, const SeedGroup &group, int quality) {
+std::vector<int64_t> default_steps(const ModelSpec &spec, const SeedGroup &group, int colour_step) {
   std::vector<int64_t> steps;
   for (int output = 0; output < output_count(spec, group); ++output)
     for (int level = 0; level < kLevels; ++level) {
       const int over = group.name == GroupName::colour ? 0 : kShapeOverColour;
       const int fixed = group.name == GroupName::offset ? kPaperOffset : kStepZero;
-      const int index = spec.is_plain() ? quality + over - kPerOctave * (level - 3) : fixed;
+      const int index = spec.is_plain() ? colour_step + over - kPerOctave * (level - 3) : fixed;
       steps.push_back(std::clamp(index, 0, kStepCount - 1));
     }
   return steps;

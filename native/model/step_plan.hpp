@@ -24,7 +24,7 @@ inline bool follows_amplitude(const ModelSpec &spec, const SeedGroup &group) {
   return spec.is_plain() && group.name != GroupName::colour;
 }
 // Indices [output_count, kLevels] of the base steps, before what the stream adds.
-std::vector<int64_t> default_steps(const ModelSpec &spec, const SeedGroup &group, int quality);
+std::vector<int64_t> default_steps(const ModelSpec &spec, const SeedGroup &group, int colour_step);
 
 // Indices [output_count, kLevels] of a group's base steps, and the exponent of the amplitude in sixteenths.
 struct GroupSteps {

@@ -87,7 +87,7 @@ void search_seeds(const TileSeeds &seeds, const CodingModel &model, const Search
     }
     for_each_chunk(int64_t(n), threads, [&](int64_t begin, int64_t end) {
       seed_inputs(seeds.view, {neighbours[p].data() + begin * coding.ranks, coding.ranks}, summary.data(),
-                  members.data() + begin, end - begin, coding.quality, pass.inputs.data() + begin * stride, stride);
+                  members.data() + begin, end - begin, coding.colour_step, pass.inputs.data() + begin * stride, stride);
     });
     search_pass(model, settings, residual, pass, threads, kernel);
     for (size_t i = 0; i < n; ++i) {

@@ -36,11 +36,11 @@ _SAMPLE_BYTES = {"uint8": 1, "uint16": 2, "float32": 4}
 @dataclass(frozen=True)
 class Header:
     """width, height in pixels; channels: the layout's name; sample_type: numpy's name; sample_range: the colour samples
-    that 0 and 1 of the model mean, two numbers, or two tuples with one for each band. quality: index of the base colour
-    step; family: of the frequency tables. tile: largest side of a tile without its apron, 0 if there is one; apron: how
-    far it reaches over its neighbours. masked: whether tiles say which pixels are "transparent", or "nodata" with the
-    value `nodata`; has_band_masks: whether they may say so of each band; has_exact: whether they list samples that
-    they state exactly. network: the file of the picture's own network of restoration, empty for none.
+    that 0 and 1 of the model mean, two numbers, or two tuples with one for each band. colour_step: index of the base
+    colour step; family: of the frequency tables. tile: largest side of a tile without its apron, 0 if there is one;
+    apron: how far it reaches over its neighbours. masked: whether tiles say which pixels are "transparent", or "nodata"
+    with the value `nodata`; has_band_masks: whether they may say so of each band; has_exact: whether they list samples
+    that they state exactly. network: the file of the picture's own network of restoration, empty for none.
     """
 
     width: int
@@ -50,7 +50,7 @@ class Header:
     sample_range: SampleRange
     profile: str
     spec: ModelSpec
-    quality: int
+    colour_step: int
     family: int
     tile: int = 0
     apron: int = 0

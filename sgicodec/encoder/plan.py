@@ -24,7 +24,7 @@ from sgicodec.errors import LimitError, PictureError, StreamError, UsageError
 from sgicodec.metadata import geo
 from sgicodec.metadata.layouts import SampleRange, alpha_index
 from sgicodec.model.spec import ModelSpec
-from sgicodec.model.steps import quality_index
+from sgicodec.model.steps import colour_step_of
 from sgicodec.model.tile_grid import TileGrid
 from sgicodec.picture import Metadata, Picture
 from sgicodec.profiles.fit_settings import FitSettings
@@ -104,7 +104,7 @@ class Plan:
 
     def at(self, lmbda: float) -> Plan:
         """The same for tiles that are fitted at λ, whatever the target."""
-        header = replace(self.header, quality=quality_index(lmbda))
+        header = replace(self.header, colour_step=colour_step_of(lmbda))
         return replace(self, header=header, settings=self.settings.without_target(lmbda=lmbda))
 
 
@@ -131,7 +131,7 @@ def stream_plan(shape: Shape, settings: EncodeSettings) -> Plan:
     fit = settings.fit_settings()
     header = Header(
         *(shape.width, shape.height, shape.channels, str(shape.dtype), shape.sample_range, settings.profile, spec),
-        quality=quality_index(fit.lmbda),
+        colour_step=colour_step_of(fit.lmbda),
         family=int(settings.profile == "default"),
         tile=grid.tile,
         apron=grid.apron,

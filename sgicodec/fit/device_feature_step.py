@@ -38,7 +38,7 @@ class DeviceFeatureStep(FeatureStep):
         self._level: tuple[PyramidLevel, dict[str, GpuArray]] | None = None
         self._passes: TilePasses | None = None
 
-    def set_layout(self, layout: SeedLayout, quality: int) -> None:
+    def set_layout(self, layout: SeedLayout, colour_step: int) -> None:
         """As `GradientStep.set_layout`."""
         self.gpu.use()
         self.count, self._passes = len(layout), None
@@ -47,7 +47,7 @@ class DeviceFeatureStep(FeatureStep):
         starts = np.concatenate([[0], np.cumsum(grid.counts)]) // context.hash_features
         entry, weight = grid.corners(layout.half_pixels)
         entry = (entry + starts[:-1, None]).astype(np.int32)
-        constants = level_inputs(layout, quality).T.astype(np.float32) / np.float32(1 << INPUT_BITS)
+        constants = level_inputs(layout, colour_step).T.astype(np.float32) / np.float32(1 << INPUT_BITS)
         hashed = np.zeros((len(grid.counts) * context.hash_features, self.count), np.float32)
         self._constants, self._table_starts = len(constants), (starts * context.hash_features).tolist()
         fixed = {

@@ -75,9 +75,9 @@ class FeatureStep:
         self.native = _native.FeatureFit(device.isa, device.threads, *sizes, *hashed)
         self.spec, self.settings, self.raster, self.size = spec, settings, raster, size
 
-    def set_layout(self, layout: SeedLayout, quality: int) -> None:
+    def set_layout(self, layout: SeedLayout, colour_step: int) -> None:
         """As `GradientStep.set_layout`."""
-        self.native.set_layout(layout.half_pixels, quality, *self.size)
+        self.native.set_layout(layout.half_pixels, colour_step, *self.size)
         self.count = len(layout)
 
     def run(

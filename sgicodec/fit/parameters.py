@@ -51,7 +51,7 @@ class StepResult:
 class GradientStep(Protocol):
     """What computes the loss of a fit and its gradients."""
 
-    def set_layout(self, layout: SeedLayout, quality: int) -> None:
+    def set_layout(self, layout: SeedLayout, colour_step: int) -> None:
         """Prepares everything that depends on where the seeds are."""
         ...
 

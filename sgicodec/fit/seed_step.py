@@ -45,10 +45,10 @@ class SeedStep:
         self.spec, self.seed, self.raster = spec, seed, raster
         self.age = 0
 
-    def set_layout(self, layout: SeedLayout, quality: int) -> None:
+    def set_layout(self, layout: SeedLayout, colour_step: int) -> None:
         """Prepares everything that depends on where the seeds are."""
         neighbour = neighbour_table(self.spec.context, layout)
-        self.native.set_layout(layout.half_pixels, layout.log_size, neighbour, quality)
+        self.native.set_layout(layout.half_pixels, layout.log_size, neighbour, colour_step)
         self.count = len(layout)
         self.age = 0
 

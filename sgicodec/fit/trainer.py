@@ -25,7 +25,7 @@ from sgicodec.model.context import LEVELS, hash_grid
 from sgicodec.model.layout import ROOT_LOG, CellSums, SeedLayout, cell_sums
 from sgicodec.model.network import IntNetwork
 from sgicodec.model.spec import ModelSpec
-from sgicodec.model.steps import StepPlan, default_plan, quality_index
+from sgicodec.model.steps import StepPlan, colour_step_of, default_plan
 from sgicodec.profiles.fit_settings import SLOWED, FitSettings, Phase
 from sgicodec.raster import backend_of
 from sgicodec.raster.cpu import NativeRasterizer
@@ -53,7 +53,7 @@ class Fitted:
     plan: StepPlan
     networks: tuple[IntNetwork, ...]
     hash_bits: list[NDArray[np.int64]]
-    quality: int
+    colour_step: int
 
 
 class Trainer:
@@ -82,14 +82,14 @@ class Trainer:
         self.mean_weights = None if weights is None else CellMeans(weights[None])
         self.raster = backend_of(device, spec.channels)
         self.levels = pyramid_levels(target, weights, max(phase.level for phase in phases) + 1)
-        self.quality = quality_index(settings.lmbda) if settings.quality is None else settings.quality
+        self.colour_step = colour_step_of(settings.lmbda) if settings.colour_step is None else settings.colour_step
         rng = np.random.default_rng(settings.seed)
         self.seeds = SeedSet(spec, layout, target, rng, device)
         self.seeds.decoder_shift += math.ceil(settings.finer_steps)
         self.networks = networks
         counts = hash_grid(spec.context, width, height).counts
         self.context = ContextWeights(spec, counts, rng) if networks is None else None
-        steps = flat_steps(spec, default_plan(spec, self.quality))
+        steps = flat_steps(spec, default_plan(spec, self.colour_step))
         steps[: sum(base_counts(spec))] -= settings.finer_steps
         self.parameters = Parameters(self.seeds, steps, self.context)
         self.adam = Adam(settings.rates.betas, settings.rates.epsilon, device)
@@ -189,7 +189,7 @@ class Trainer:
 
     def _place(self) -> None:
         """To be called where seeds have come or gone."""
-        self.gradient_step.set_layout(self.seeds.layout, self.quality)
+        self.gradient_step.set_layout(self.seeds.layout, self.colour_step)
 
     def result(self) -> Fitted:
         """What the fit has found so far, in the stream's order."""
@@ -203,7 +203,7 @@ class Trainer:
             self.seeds.decoder_shift,
             rounded_plan(self.spec, self.parameters.steps),
             *self._context(),
-            self.quality,
+            self.colour_step,
         )
 
     def _context(self) -> tuple[tuple[IntNetwork, ...], list[NDArray[np.int64]]]:

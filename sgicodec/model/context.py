@@ -44,11 +44,11 @@ def neighbour_table(spec: ContextSpec, layout: SeedLayout) -> I32:
     return table
 
 
-def level_inputs(layout: SeedLayout, quality: int) -> I64:
-    """One-hot cell size and the picture's quality (base colour step, sixths of an octave) [N, LEVELS + 1]."""
+def level_inputs(layout: SeedLayout, colour_step: int) -> I64:
+    """One-hot cell size and the base colour step (sixths of an octave) [N, LEVELS + 1]."""
     one_hot = np.zeros((len(layout), LEVELS + 1), np.int64)
     one_hot[np.arange(len(layout)), np.clip(layout.log_size, 0, LEVELS - 1)] = 1 << INPUT_BITS
-    one_hot[:, LEVELS] = quality * (1 << INPUT_BITS) // 12
+    one_hot[:, LEVELS] = colour_step * (1 << INPUT_BITS) // 12
     return one_hot
 
 

@@ -16,9 +16,9 @@ from sgicodec.model.spec import ModelSpec
 __all__ = [
     "GAMMA_BITS",
     "StepPlan",
+    "colour_step_of",
     "default_plan",
     "follows_amplitude",
-    "quality_index",
 ]
 
 
@@ -42,8 +42,8 @@ def follows_amplitude(spec: ModelSpec, group: str) -> bool:
     return spec.plain and group != "colour"
 
 
-def default_plan(spec: ModelSpec, quality: int) -> StepPlan:
-    """The plan that rate theory gives for a colour step `quality` (index) in cells of 8 pixels.
+def default_plan(spec: ModelSpec, colour_step: int) -> StepPlan:
+    """The plan that rate theory gives for this index of the colour step, in cells of 8 pixels.
 
     The distortion of a step grows with the area that a Gaussian covers, so steps halve when cells double. The stream
     carries differences to this plan.
@@ -52,7 +52,7 @@ def default_plan(spec: ModelSpec, quality: int) -> StepPlan:
     for group in spec.groups:
         if spec.plain:
             over = 0 if group.name == "colour" else _SHAPE_OVER_COLOUR
-            index = quality + over - 6 * (np.arange(LEVELS) - 3)
+            index = colour_step + over - 6 * (np.arange(LEVELS) - 3)
         else:
             index = np.full(LEVELS, _PAPER_STEPS[group.name])
         shape = (output_count(spec, group.name), LEVELS)
@@ -61,7 +61,7 @@ def default_plan(spec: ModelSpec, quality: int) -> StepPlan:
     return StepPlan(base, gamma)
 
 
-def quality_index(lmbda: float) -> int:
+def colour_step_of(lmbda: float) -> int:
     """Index of the colour step that rate theory gives cells of 8 pixels: q² = 6 λ / (E ln 2), with E the squared error
     of a unit of colour in a Gaussian of about half the cell's size.
     """

@@ -95,7 +95,7 @@ class FitSettings:
     """Number of steps that the rates of `SLOWED` are meant for; more steps go with smaller ones. None: they stay."""
     finer_steps: float = 0.0
     """Octaves by which base steps are below the profile's plan."""
-    quality: int | None = None
+    colour_step: int | None = None
     """Index of the base colour step, None where it follows λ."""
 
     @property

@@ -46,7 +46,7 @@ def absurd_stream(rng: np.random.Generator) -> bytes:
 def _model(header: Header, rng: np.random.Generator) -> TileModel:
     spec, size = header.spec, (header.width, header.height)
     layout = _layout(header, rng)
-    expected = default_plan(spec, header.quality)
+    expected = default_plan(spec, header.colour_step)
     base = {name: rng.integers(0, STEP_COUNT, index.shape) for name, index in expected.base.items()}
     gamma = {name: int(rng.integers(64)) if follows_amplitude(spec, name) else 0 for name in expected.base}
     grid = (0, 0) if not spec.base_cell else base_shape(*size, spec.base_cell)

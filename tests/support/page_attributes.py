@@ -62,7 +62,7 @@ class PageAttributes:
     """
 
     def __init__(self, header: Any, seeds: list[Seed], plan: dict[str, tuple[Any, int]], networks: Any, signs: Any):
-        self.spec, self.quality, self.family = header.spec, header.quality, header.family
+        self.spec, self.colour_step, self.family = header.spec, header.colour_step, header.family
         self.size = header.width, header.height
         self.seeds, self.plan, self.networks, self.signs = seeds, plan, networks, [int(s) for s in signs]
         k, c, d = self.spec.per_seed, self.spec.channels, self.spec.features
@@ -155,7 +155,7 @@ class PageAttributes:
     def inputs(self, i: int, step: int) -> list[int]:
         """All four of the page, of a seed at a step."""
         seed = self.seeds[i]
-        found = [64 * (min(seed.k, 7) == k) for k in range(8)] + [self.quality * 64 // 12]
+        found = [64 * (min(seed.k, 7) == k) for k in range(8)] + [self.colour_step * 64 // 12]
         if self.spec.context.neighbours:
             found += self.of_neighbours(seed)
         found += self.of_grid(seed)

@@ -64,7 +64,7 @@ def decode_header(payload: bytes) -> Header:
     layout_name = LAYOUT_NAMES[fields.take("the channel layout", 0, len(LAYOUT_NAMES) - 1)]
     sample_type = SAMPLE_TYPES[fields.take("the sample type", 0, len(SAMPLE_TYPES) - 1)]
     profile = _PROFILES[fields.take("the profile", 0, len(_PROFILES) - 1)]
-    flags, masked, spec, quality, family = _model(fields, channels)
+    flags, masked, spec, colour_step, family = _model(fields, channels)
     tile = fields.take("the tile size", MIN_TILE, MAX_SIDE) if flags & _TILED else 0
     apron = fields.take("the apron", 0, min(tile // 4, MAX_APRON)) if flags & _TILED else 0
     colours = channels - (layout_name in ("gray+alpha", "rgba"))
@@ -78,7 +78,7 @@ def decode_header(payload: bytes) -> Header:
     if fields.at != len(payload):
         raise CorruptStreamError("header: longer than its fields")
     header = Header(
-        *(width, height, layout_name, sample_type, sample_range, profile, spec, quality, family),
+        *(width, height, layout_name, sample_type, sample_range, profile, spec, colour_step, family),
         *(tile, apron, masked, nodata, band_masks, exact, network),
     )
     _check_model(header)
@@ -149,7 +149,7 @@ def _model(fields: _Fields, channels: int) -> tuple[int, Masked | None, ModelSpe
     features = fields.take("D", 1, MAX_FEATURES)
     hidden = fields.take("the decoders' width", 0, MAX_HIDDEN)
     base_cell = fields.take("the base cell", 0, 1 << 12)
-    quality, family = fields.take("the base step", 0, 255), fields.take("the table family", 0, 1)
+    colour_step, family = fields.take("the base step", 0, 255), fields.take("the table family", 0, 1)
     prior = fields.take("the prior", 0, 255)
     context_hidden = fields.take("the context model's width", 1, MAX_HIDDEN)
     neighbours = fields.take("the neighbours", 0, 6)
@@ -165,7 +165,7 @@ def _model(fields: _Fields, channels: int) -> tuple[int, Masked | None, ModelSpe
     textured, luma_space = bool(flags & _TEXTURE), bool(flags & _LUMA)
     spec = replace(spec, context=context, texture=textured, luma_space=luma_space)
     spec = replace(spec, restoration=bool(flags & _RESTORATION))
-    return flags, masked, spec, quality, family
+    return flags, masked, spec, colour_step, family
 
 
 def _check_tiles(header: Header) -> None:

@@ -36,7 +36,7 @@ def read_from_the_page(header: Header, payload: bytes) -> tuple[_native.TileMode
 def skip_to_attributes(reader: SymbolReader, header: Header) -> None:
     """The parts before the attributes (docs/format.md, "Tile parts")."""
     spec = header.spec
-    for name, index in default_plan(spec, header.quality).base.items():
+    for name, index in default_plan(spec, header.colour_step).base.items():
         reader.read_weights(index.size)
         if follows_amplitude(spec, name):
             reader.read_bits(6, 1)

@@ -39,7 +39,9 @@ def stage(
     """A picture and a model of seeds with random attributes."""
     spec, rng = default_spec(channels), np.random.default_rng(7)
     picture = waves(channels, height, width)
-    header = Header(width, height, LAYOUTS[channels], "uint8", (0.0, 255.0), "default", spec, quality=QUALITY, family=1)
+    header = Header(
+        width, height, LAYOUTS[channels], "uint8", (0.0, 255.0), "default", spec, colour_step=QUALITY, family=1
+    )
     layout = adaptive_layout(picture, 0.4)
     n = len(layout)
     attributes = {

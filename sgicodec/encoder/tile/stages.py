@@ -110,7 +110,7 @@ def in_integers(prepared: Prepared, fitted: Fitted) -> TileState:
         fitted.attributes,
         decoder_shift=fitted.decoder_shift,
     )
-    header = replace(prepared.tile.header, quality=fitted.quality)
+    header = replace(prepared.tile.header, colour_step=fitted.colour_step)
     return TileState(**vars(prepared), header=header, model=model)
 
 

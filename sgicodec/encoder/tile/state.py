@@ -171,7 +171,7 @@ def tile_of(
         settings = replace(settings, seeds=max(1, round(settings.seeds * part)))
     fit = settings.fit_settings()
     if plan.header.tile:
-        fit = replace(fit, quality=header.quality)
+        fit = replace(fit, colour_step=header.colour_step)
     bare = bare_samples(picture, header)
     unit, empty = coded_samples(picture, header, bare)
     alpha = None

@@ -124,7 +124,7 @@ def test_a_tree_of_too_many_nodes() -> None:
 
 def _steps(header: Any) -> SymbolWriter:
     walk = SymbolWriter()
-    for name, index in default_plan(header.spec, header.quality).base.items():
+    for name, index in default_plan(header.spec, header.colour_step).base.items():
         write_weights(walk, np.zeros_like(index))
         if header.spec.plain and name != "colour":
             walk.code_int(0, 6)
@@ -142,7 +142,7 @@ def _up_to_positions(header: Any) -> SymbolWriter:
 
 def test_steps_outside_their_table(coded: Any) -> None:
     header = decode_header(split(coded.data)[0][1])
-    first = next(iter(default_plan(header.spec, header.quality).base.values()))
+    first = next(iter(default_plan(header.spec, header.colour_step).base.values()))
     for difference in (STEP_COUNT, -STEP_COUNT, 2**20):
         walk = SymbolWriter()
         write_weights(walk, np.full(first.shape, difference))

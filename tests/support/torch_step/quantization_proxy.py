@@ -95,11 +95,11 @@ class QuantizationProxy:
         names = gamma_names(self.spec)
         return dict(zip(names, steps[len(steps) - len(names) :], strict=True))
 
-    def set_layout(self, layout: SeedLayout, quality: int, width: int, height: int) -> None:
+    def set_layout(self, layout: SeedLayout, colour_step: int, width: int, height: int) -> None:
         """Prepares everything that depends on where the seeds are."""
         context = self.spec.context
         self.level = torch.from_numpy(np.clip(layout.log_size.astype(np.int64), 0, LEVELS - 1))
-        self.level_inputs = torch.from_numpy(level_inputs(layout, quality)).float()
+        self.level_inputs = torch.from_numpy(level_inputs(layout, colour_step)).float()
         self.log_size = torch.from_numpy(layout.log_size.astype(np.float32))
         if context.neighbours:
             table = neighbour_table(context, layout)

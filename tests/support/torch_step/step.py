@@ -45,9 +45,9 @@ class AutogradStep:
         self.spec, self.settings, self.raster, self.size = spec, settings, raster, size
         self.proxy, self.networks = QuantizationProxy(spec, family), networks
 
-    def set_layout(self, layout: SeedLayout, quality: int) -> None:
+    def set_layout(self, layout: SeedLayout, colour_step: int) -> None:
         """As `GradientStep.set_layout`."""
-        self.proxy.set_layout(layout, quality, *self.size)
+        self.proxy.set_layout(layout, colour_step, *self.size)
         self._centre, self._cell = torch.from_numpy(layout.centre), torch.from_numpy(layout.cell)
 
     def run(

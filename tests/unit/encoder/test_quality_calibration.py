@@ -73,7 +73,7 @@ def test_λ_moves_by_the_offset_and_for_all_tiles_alike(photo: Picture) -> None:
     offset = quality_offset(log_gradients(photo, None).mean(axis=0), 55)
     assert offset > 1
     assert after.settings.lmbda == pytest.approx(lmbda_of_quality(55 + offset), rel=0.02)
-    assert after.header.quality < before.header.quality
+    assert after.header.colour_step < before.header.colour_step
     tiled = planned(photo, quality=55.0, tile=256)[1]
     assert tiled.settings.lmbda == after.settings.lmbda
     assert tiled.software == before.software
