@@ -59,13 +59,14 @@ def share(prepared: Prepared) -> Prepared:
 
 def fit(prepared: Prepared) -> TileState:
     """Fits seeds, in fewer steps where texture will show nearly all and no number of steps was stated."""
-    tile, settings, layout = prepared.tile, prepared.fit, _first_layout(prepared)
+    tile, fit_settings, layout = prepared.tile, prepared.fit, _first_layout(prepared)
     if tile.spec.texture and tile.settings.steps is None and prepared.weights is not None:
         usual = steps_of(DEFAULT_EFFORT, tile.settings.tuned_for, True)
-        settings = settings.shortened(part_of_steps(settings.steps, usual, layout, prepared.weights))
+        part = part_of_steps(fit_settings.steps, usual, layout, prepared.weights)
+        fit_settings = fit_settings.shortened(part)
     trainer = Trainer(
         tile.spec,
-        settings,
+        fit_settings,
         prepared.target,
         layout,
         _networks(tile),
