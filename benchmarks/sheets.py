@@ -48,13 +48,13 @@ def main(pictures: tuple[Path, ...], out: Path, codecs: str, rates: str, places:
     found, missing = find_peers([name for name in names if name != "sgi"])
     if missing:
         raise UsageError("; ".join(missing.values()))
-    chosen: list[SgiCodec | Peer] = [SgiCodec()] if "sgi" in names else []
-    chosen += [peer for peer in found if isinstance(peer, Peer)]
+    chosen: list[SgiCodec | Peer] = [*([SgiCodec()] if "sgi" in names else []), *found]
+    asked = numbers(rates, "--rates")
     out.mkdir(parents=True, exist_ok=True)
     for path in find_pictures(pictures):
         sample = load_sample(path)
         height, width = sample.pixels.shape[:2]
-        for rate in numbers(rates, "--rates"):
+        for rate in asked:
             size = int(rate * width * height / 8)
             versions = [coded_to_size(codec, sample.pixels, size) for codec in chosen]
             target = out / f"{Path(sample.name).stem}-{sample.crc}-{rate:g}bpp.png"

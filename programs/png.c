@@ -6,6 +6,12 @@
 #include "picture_file.h"
 #include "program.h"
 
+#ifdef PNG_eXIf_SUPPORTED
+#define HELD_EXIF (1 << SGI_METADATA_EXIF)
+#else
+#define HELD_EXIF 0
+#endif
+
 typedef struct png_state {
   picture_facts facts;
   png_structp png;
@@ -86,7 +92,7 @@ const picture_format png_format = {
     1 << SGI_SAMPLE_U8 | 1 << SGI_SAMPLE_U16,
     1 << SGI_LAYOUT_GRAY | 1 << SGI_LAYOUT_GRAY_ALPHA | 1 << SGI_LAYOUT_RGB | 1 << SGI_LAYOUT_RGBA,
     0,
-    1 << SGI_METADATA_ICC | 1 << SGI_METADATA_EXIF | 1 << SGI_METADATA_XMP,
+    1 << SGI_METADATA_ICC | HELD_EXIF | 1 << SGI_METADATA_XMP,
     begin,
     write_rows,
     end,

@@ -217,8 +217,7 @@ void bind_texture_coding(nb::module_ &m) {
            "planes [C, 32 h, 32 w]; size: of the layer, its pixels before the tile included.")
       .def("search", &search_texture, "contrast"_a, "steps"_a, "lmbda"_a, "split_margin"_a, "division"_a.none(),
            "log_size, contrast and symbols; by magnitude 1, 2 and more the symbols and the sum of their excess. steps: "
-           "a "
-           "TextureSteps.")
+           "TextureIndices.")
       .def("estimate", &estimate_texture, "contrast"_a, "steps"_a, "lmbda"_a,
            "Squared error plus lmbda times bits, in squared steps, of the best layer, about.")
       .def("move", &move_amplitudes, "gradient"_a, "contrast"_a, "steps"_a, "mean"_a, "most"_a, "division"_a.none(),

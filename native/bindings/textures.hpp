@@ -31,7 +31,7 @@ inline auto field_arrays(TextureField field) {
       as_array<int16_t>(std::move(field.symbols), std::array{channels, down, across}));
 }
 
-// Its steps as indices of the stream, in the order of TextureSteps in Python, its grid as TextureGrid, and these.
+// Its steps as indices of the stream, in the order of TextureIndices in Python, its grid as TextureGrid, and these.
 inline auto texture_arrays(const TextureIndices &of, TextureField field) {
   const auto [one, two, more] = of.excess;
   std::tuple steps(of.step, of.ratios, std::pair(of.slopes[0], of.slopes[1]), std::tuple(one, two, more),

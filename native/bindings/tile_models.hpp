@@ -12,7 +12,7 @@ namespace sgi {
 
 constexpr const char *kGroupNames[] = {"colour", "shape", "feature", "scales", "offset"};
 
-// Steps of texture of a Python TextureSteps, for so many channels; its layer of a Python TextureSymbols.
+// Steps of texture of a Python TextureIndices, for so many channels; its layer of a Python TextureSymbols.
 TextureIndices indices_of(nanobind::handle steps, size_t channels);
 CodedTexture texture_of(nanobind::handle layer);
 

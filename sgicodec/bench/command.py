@@ -316,7 +316,7 @@ def _choose_codecs(wanted: Sequence[str], by_name: bool, threads: int) -> list[C
         raise UsageError("; ".join(missing.values()))
     for reason in missing.values():
         click.echo(f"left out: {reason}", err=True)
-    return peers
+    return [*peers]
 
 
 def _sgi_curves(qualities: str, efforts: str, variants: tuple[str, ...], threads: int) -> list[SgiCodec]:

@@ -12,7 +12,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from sgicodec.bench.codec import Codec, Pixels8
+from sgicodec.bench.codec import Pixels8
 from sgicodec.bench.peer import Peer, PillowPeer
 from sgicodec.errors import UsageError, require
 
@@ -141,7 +141,7 @@ class JpegXl(Peer):
 
 
 # In the order of the formats' age, which is also the order of tables.
-PEERS: dict[str, Callable[[int], Codec]] = {
+PEERS: dict[str, Callable[[int], Peer]] = {
     "jpeg": lambda threads: Jpeg(),
     "jpeg2000": lambda threads: Jpeg2000(),
     "webp": lambda threads: WebP(),
@@ -152,12 +152,12 @@ PEERS: dict[str, Callable[[int], Codec]] = {
 }
 
 
-def find_peers(names: Iterable[str], threads: int = 1) -> tuple[list[Codec], dict[str, str]]:
+def find_peers(names: Iterable[str], threads: int = 1) -> tuple[list[Peer], dict[str, str]]:
     """The named peers that can run here, and for each of the others the reason and the extra to install.
 
     Raises UsageError for a name that is none of `PEERS`.
     """
-    found: list[Codec] = []
+    found: list[Peer] = []
     missing: dict[str, str] = {}
     for name in names:
         if name not in PEERS:
