@@ -7,6 +7,7 @@ out. Thresholds were measured: docs/notes texture-share, settling, score-ascent,
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import log2
 from typing import Literal
 
 from sgicodec.profiles.default import DEFAULT_LMBDA
@@ -81,8 +82,10 @@ def effort_of(steps: int, tuned_for: Tune, beneath_texture: bool = False) -> Eff
 
 
 def _passes(steps: int) -> int:
-    """Passes of ascent. Up to six they gain more than other things in the same time (docs/notes/2026-11-ladder.md)."""
-    return 8 if steps >= 1000 else _within(1, round(steps / 50) - 1, 6)
+    """Passes of ascent. Each pays from a fit of about 1.45 times the steps on
+    (docs/notes/2026-11-score-ascent.md, "Long moves first").
+    """
+    return _within(1, round(1.85 * log2(steps / 45)), 8)
 
 
 def _within(low: int, value: int, high: int) -> int:

@@ -26,9 +26,8 @@ Offsets = NDArray[np.int8] | None
 
 _MEAN_MOVE = 0.015
 """Of amplitudes in a single pass, in steps (docs/notes/2026-11-ladder.md)."""
-_SHORTER_BY_PASSES = 0.6
-"""Power of the number of passes by which each moves less; in five, moves 30 % shorter or longer take up to 0.8 % more
-bytes (docs/notes/2026-11-equal-losses.md)."""
+_MOMENTUM = 0.5
+"""Part of the gradient of the pass before that each pass goes on with (docs/notes/2026-12-score-ascent.md)."""
 _MAX_MOVE = 12.0
 """Of one amplitude, in means (docs/notes/2026-11-score-ascent.md)."""
 
@@ -40,20 +39,28 @@ def best_looking(state: TileState) -> TileState:
     layer = state.best_layer(search, state.first_step)
     strength = state.best_strength(search, layer)
     screen = Screen(tile.spec, tile.picture.alpha is not None, tile.alpha)
-    ascent = ScoreAscent(tile.unit, screen, tile.empty, tile.device, passes, strength)
+    ascent = ScoreAscent(tile.unit, screen, tile.empty, tile.device, strength)
     steps = CalibratedSteps(tile.plan.calibrated_quality, state.first_step, passes)
-    for _ in range(passes):
+    gradient = None
+    for mean in mean_moves(passes):
         if tile.watch.ending() or layer is None:
             break
-        score = ascent.climb(search, layer, state.step_offsets)
+        score, gradient = ascent.climb(search, layer, state.step_offsets, mean, gradient)
         layer = state.best_layer(search, steps.after(score), layer)
     return state.with_texture(layer, strength)
 
 
+def mean_moves(passes: int) -> list[float]:
+    """Of each pass of an ascent, in steps: long ones first, since errors that the last ones bring are not seen any
+    more. All of them together grow with the square root of the passes.
+    """
+    return [2 * _MEAN_MOVE * (passes - number) / (passes**0.5 * (passes + 1)) for number in range(passes)]
+
+
 class ScoreAscent:
-    """The ascent for layers of one picture in so many passes. unit [C, H, W]: what they are to show; screen: how that
-    is seen; empty [H, W]: pixels that count nothing, None for none; strength: with which what is rendered is restored,
-    None for not at all.
+    """The ascent for layers of one picture. unit [C, H, W]: what they are to show; screen: how that is seen; empty
+    [H, W]: pixels that count nothing, None for none; strength: with which what is rendered is restored, None for not at
+    all.
     """
 
     def __init__(
@@ -62,25 +69,28 @@ class ScoreAscent:
         screen: Screen,
         empty: NDArray[np.bool_] | None,
         device: Device,
-        passes: int,
         strength: Strength | None = None,
     ) -> None:
         self.unit, self.screen, self.empty, self.device, self.strength = unit, screen, empty, device, strength
-        self._mean_move = _MEAN_MOVE / passes**_SHORTER_BY_PASSES
         self._reference = VisualReference(screen.shown(unit), device)
 
-    def climb(self, search: TextureSearch, layer: TextureSymbols, offsets: Offsets) -> float:
+    def climb(
+        self, search: TextureSearch, layer: TextureSymbols, offsets: Offsets, mean: float, before: F32 | None = None
+    ) -> tuple[float, F32]:
         """Moves the target of `search` from the layer that it found up the gradient, that of the layer's blocks alone.
-        Returns SSIMULACRA 2 of the layer. offsets [rows, columns]: of its steps, None for none.
+
+        offsets [rows, columns]: of its steps, None for none; mean: of the moves, in steps; before [C, H, W]: what the
+        pass before returned. Returns SSIMULACRA 2 of the layer, and what the target moved along [C, H, W].
         """
         rendered = self._rendered(search, layer)
         score, shown = self._reference.gradient(self.screen.shown(rendered))
         gradient = self.screen.gradient(rendered, shown)
+        if before is not None:
+            gradient += np.float32(_MOMENTUM) * before
         if self.empty is not None:
             gradient[:, self.empty] = 0
-        mean = self._mean_move
         search.move(gradient, layer.steps, offsets, mean, _MAX_MOVE * mean, layer)
-        return score
+        return score, gradient
 
     def _rendered(self, search: TextureSearch, symbols: TextureSymbols) -> F32:
         """What a layer shows over the seeds of `search`, restored."""

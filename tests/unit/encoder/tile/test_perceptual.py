@@ -12,7 +12,7 @@ from symbols import SymbolWriter, write_texture
 
 from sgicodec import read
 from sgicodec.device import ONE_THREAD
-from sgicodec.encoder.tile.perceptual import ScoreAscent
+from sgicodec.encoder.tile.perceptual import ScoreAscent, mean_moves
 from sgicodec.encoder.tile.screen import Screen
 from sgicodec.encoder.tile.texture_steps import TUNINGS, Masking
 from sgicodec.metrics.psnr import luma
@@ -54,11 +54,12 @@ class Case:
 
     def ascend(self, passes: int) -> list[float]:
         """Returns the scores of the layers."""
-        ascent = ScoreAscent(self.unit, Screen(self.spec), self.empty, ONE_THREAD, passes)
-        layer, scores = None, []
-        for _ in range(passes):
+        ascent = ScoreAscent(self.unit, Screen(self.spec), self.empty, ONE_THREAD)
+        layer, gradient, scores = None, None, []
+        for mean in mean_moves(passes):
             layer = self.found(layer)
-            scores.append(ascent.climb(self.search, layer, self.offsets))
+            score, gradient = ascent.climb(self.search, layer, self.offsets, mean, gradient)
+            scores.append(score)
         self.blocks = layer
         return scores
 
@@ -89,6 +90,21 @@ def test_a_layer_scores_more_than_one_of_finer_steps(luma_space: bool, passes: i
     assert case.bits() < other.bits() < 1.1 * case.bits()
     assert case.score() > other.score() + points
     assert case.similarity() > other.similarity() - 0.002  # which is not climbed
+
+
+def test_a_pass_goes_on_with_half_of_what_the_one_before_moved_along() -> None:
+    case = Case()
+    ascent, layer = ScoreAscent(case.unit, Screen(case.spec), None, ONE_THREAD), case.found()
+    score, own = ascent.climb(case.search, layer, case.offsets, 0.01)
+    again, both = ascent.climb(case.search, layer, case.offsets, 0.01, own)
+    assert again == score
+    assert np.allclose(both, 1.5 * own)
+
+
+def test_moves_become_shorter_and_all_of_them_grow_with_the_passes() -> None:
+    moves = [mean_moves(passes) for passes in range(1, 9)]
+    assert all(sorted(some, reverse=True) == some for some in moves)
+    assert [sum(some) / sum(moves[0]) for some in moves] == pytest.approx([passes**0.5 for passes in range(1, 9)])
 
 
 def test_pixels_that_count_nothing_move_nothing() -> None:
@@ -128,9 +144,9 @@ def test_other_channels_than_three(channels: int) -> None:
         return VisualReference(unit, ONE_THREAD).score(0.5 + np.tensordot(back, layer.draw(), axes=1))
 
     before = score()
-    ascent, layer = ScoreAscent(np.tensordot(into, unit, axes=1), Screen(spec), None, ONE_THREAD, passes=2), None
-    for _ in range(2):
+    ascent, layer = ScoreAscent(np.tensordot(into, unit, axes=1), Screen(spec), None, ONE_THREAD), None
+    for mean in mean_moves(2):
         layer = search.at(steps, TUNING.squared_steps, None, layer)
         assert layer is not None
-        ascent.climb(search, layer, None)
+        ascent.climb(search, layer, None, mean)
     assert score() > before + 1
