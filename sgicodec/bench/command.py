@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from sgicodec.bench.sgi import SgiCodec
     from sgicodec.picture import Picture
 
-_PEERS = ("jpeg", "jpeg2000", "webp", "jxl", "avif-iq", "avif", "avif-s2")
+_PEERS = ("jpeg", "jpeg2000", "webp", "jxl", "avif-iq", "avif-iq-s2", "avif", "avif-s2")
 _PUBLISHED = ("coolchic5",)
 _CODECS = ("sgi", *_PEERS, *_PUBLISHED)
 _FILE = click.Path(path_type=Path)

@@ -97,6 +97,14 @@ class AvifIq(Avif):
 
 
 @dataclass(frozen=True)
+class AvifIqSlow(AvifIq):
+    """The same at speed 2."""
+
+    name: ClassVar[str] = "avif-iq-s2"
+    speed: ClassVar[int] = 2
+
+
+@dataclass(frozen=True)
 class Jpeg2000(PillowPeer):
     """JPEG 2000 by OpenJPEG: a bare codestream, 9/7 wavelet. Its quality is the target rate in bpp."""
 
@@ -147,6 +155,7 @@ PEERS: dict[str, Callable[[int], Peer]] = {
     "webp": lambda threads: WebP(),
     "jxl": lambda threads: JpegXl(threads=threads),
     "avif-iq": lambda threads: AvifIq(threads=threads),
+    "avif-iq-s2": lambda threads: AvifIqSlow(threads=threads),
     "avif": lambda threads: Avif(threads=threads),
     "avif-s2": lambda threads: AvifSlow(threads=threads),
 }

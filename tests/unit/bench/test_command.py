@@ -66,7 +66,7 @@ def test_bench_leaves_out_aloud_what_is_missing(tmp_path: Path, monkeypatch: pyt
     result = call(bench, save(tmp_path / "p.png", picture()))
     assert "left out: jxl needs imagecodecs: pip install 'sgicodec[bench]'" in result.stderr
     present = [codec.name for codec in seen["codecs"]]
-    assert present == ["sgi", "jpeg", "jpeg2000", "webp", "avif-iq", "avif", "avif-s2"]
+    assert present == ["sgi", "jpeg", "jpeg2000", "webp", "avif-iq", "avif-iq-s2", "avif", "avif-s2"]
     assert [curves.name for curves in seen["published"]] == ["coolchic5"]
     asked = call(bench, tmp_path / "p.png", "--codecs", "jpeg,jxl")
     assert isinstance(asked.exception, UsageError)
