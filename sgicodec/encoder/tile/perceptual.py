@@ -27,7 +27,7 @@ Offsets = NDArray[np.int8] | None
 _MEAN_MOVE = 0.015
 """Of amplitudes in a single pass, in steps (docs/notes/2026-11-ladder.md)."""
 _MOMENTUM = 0.5
-"""Part of the gradient of the pass before that each pass goes on with (docs/notes/2026-12-score-ascent.md)."""
+"""Part of the gradient of the pass before that each pass goes on with (docs/notes/2026-11-score-ascent.md)."""
 _MAX_MOVE = 12.0
 """Of one amplitude, in means (docs/notes/2026-11-score-ascent.md)."""
 
