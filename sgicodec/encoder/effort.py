@@ -82,8 +82,8 @@ def effort_of(steps: int, tuned_for: Tune, beneath_texture: bool = False) -> Eff
 
 
 def _passes(steps: int) -> int:
-    """Passes of ascent. Each pays from a fit of about 1.45 times the steps on
-    (docs/notes/2026-11-score-ascent.md, "Long moves first").
+    """Passes of ascent: another one for each 1.45 times the steps (docs/notes/2026-11-score-ascent.md, "Long moves
+    first").
     """
     return _within(1, round(1.85 * log2(steps / 45)), 8)
 

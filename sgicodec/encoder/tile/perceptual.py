@@ -51,8 +51,8 @@ def best_looking(state: TileState) -> TileState:
 
 
 def mean_moves(passes: int) -> list[float]:
-    """Of each pass of an ascent, in steps: long ones first, since errors that the last ones bring are not seen any
-    more. All of them together grow with the square root of the passes.
+    """Mean move of each pass of an ascent, in steps: the last ones are short, since no pass follows that would see what
+    they made worse. Their sum grows with the square root of the passes.
     """
     return [2 * _MEAN_MOVE * (passes - number) / (passes**0.5 * (passes + 1)) for number in range(passes)]
 
