@@ -28,6 +28,7 @@ class Format:
     that of WebP never ends.
     positive: samples have no sign, and are finite.
     in_library: how many times the size of all samples OpenImageIO's writer holds in memory; 0 if it needs a few rows.
+    min_side: pixels.
     """
 
     name: str
@@ -39,9 +40,10 @@ class Format:
     in_library: int = 0
     piped: bool = False
     positive: bool = False
+    min_side: int = 1
 
     def check(self, header: Probe) -> None:
-        """Raise PictureError if the picture would lose depth or channels."""
+        """Raise PictureError if the picture would lose depth or channels, or is too small."""
         if header.channels not in self.layouts:
             held = ", ".join("any bands" if layout == "multi" else layout for layout in self.layouts)
             bands = f"{header.count} bands" if header.channels == "multi" else header.channels
@@ -51,6 +53,10 @@ class Format:
             raise PictureError(
                 f"{self.name} cannot hold {_DEPTH_NAMES[header.dtype.name]} per sample, only {held}; "
                 "ask for that depth or choose another format"
+            )
+        if min(header.width, header.height) < self.min_side:
+            raise PictureError(
+                f"{self.name} cannot hold sides of fewer than {self.min_side} pixels; choose another format"
             )
 
 
@@ -77,11 +83,12 @@ FORMATS = (
         piped=True,
     ),
     Format("jpegxl", ("jxl",), _INTEGERS, ("gray", "rgb", "rgba"), {"compression": "jpegxl:100"}, in_library=11),
-    Format("jpeg2000", ("jp2",), _INTEGERS, ("gray", "rgb", "rgba"), in_library=9),
+    Format("jpeg2000", ("jp2",), _INTEGERS, ("gray", "rgb", "rgba"), in_library=9, min_side=32),
     Format("openexr", ("exr",), ("float32",), _ALL, {"compression": "zip"}, associated=True),
     Format("hdr", ("hdr",), ("float32",), ("rgb",), positive=True),
     Format("pfm", ("pfm",), ("float32",), _NO_ALPHA),
-    Format("pnm", ("ppm", "pgm", "pnm"), _INTEGERS, _NO_ALPHA),
+    Format("pnm", ("ppm", "pnm"), _INTEGERS, _NO_ALPHA),
+    Format("pgm", ("pgm",), _INTEGERS, ("gray",)),
     Format("targa", ("tga",), ("uint8",), tuple(LAYOUTS), {"compression": "rle"}),
     Format("bmp", ("bmp",), ("uint8",), ("gray", "rgb", "rgba")),
     Format("sgi", ("sgi", "rgb", "rgba", "bw"), _INTEGERS, tuple(LAYOUTS), {"compression": "rle"}, in_library=1),

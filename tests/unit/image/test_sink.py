@@ -44,7 +44,7 @@ def _in_bands(picture: Picture, heights: list[int], format: str) -> bytes:
 @settings(max_examples=examples(5))
 @given(heights=st.lists(st.integers(1, 30), min_size=1, max_size=4))
 def test_the_bands_of_rows_leave_no_trace(holder: output.Format, heights: list[int]) -> None:
-    layout = "rgb" if "rgba" not in holder.layouts else "rgba"
+    layout = next(layout for layout in ("rgba", "rgb", "gray") if layout in holder.layouts)
     random = np.random.default_rng(3)
     pixels = random.integers(1, 200, (41, 37, LAYOUTS[layout])).astype(holder.dtypes[-1])
     picture = Picture(pixels, layout, full_range(pixels.dtype), Metadata(xmp=b"<x/>", geo=GEO))
@@ -82,13 +82,13 @@ def test_large_tiff_is_big(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_an_exception_leaves_what_was_there(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
-    pixels = noise(40, 30, 3, "uint8")
+    pixels = noise(40, 32, 3, "uint8")
     for holder in FORMATS:
-        if "uint8" not in holder.dtypes:
+        if "uint8" not in holder.dtypes or "rgb" not in holder.layouts:
             continue
         target = tmp_path / f"x.{holder.extensions[0]}"
         target.write_bytes(b"before")
-        with pytest.raises(UsageError, match="follow"), open_sink(target, 30, 40, "rgb", "uint8") as sink:
+        with pytest.raises(UsageError, match="follow"), open_sink(target, 32, 40, "rgb", "uint8") as sink:
             [sink.write_rows(0, pixels[:10]) for _ in "twice"]
         assert target.read_bytes() == b"before"
         target.unlink()
@@ -111,7 +111,9 @@ def test_rows_that_do_not_follow(tmp_path: Path) -> None:
     np.testing.assert_array_equal(read(tmp_path / "x.png").pixels, np.concatenate([rows, rows[:5]]))
 
 
-@pytest.mark.parametrize("holder", FORMATS, ids=lambda holder: holder.name)
+@pytest.mark.parametrize(
+    "holder", [holder for holder in FORMATS if "rgb" in holder.layouts], ids=lambda holder: holder.name
+)
 def test_formats_written_from_memory_have_a_cap(holder: output.Format, tmp_path: Path) -> None:
     target = tmp_path / f"x.{holder.extensions[0]}"
     arguments = (target, 100, 100, "rgb", holder.dtypes[0])

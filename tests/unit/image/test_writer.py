@@ -55,6 +55,13 @@ def test_exr_alpha_is_associated_in_the_file_only(tmp_path: Path, layout: str) -
     np.testing.assert_allclose(read(tmp_path / "x.exr").pixels, picture.pixels, rtol=1e-6)
 
 
+def test_jpeg_2000_needs_sides_of_32_pixels() -> None:
+    picture = _picture("uint8", "rgb", height=31)
+    with pytest.raises(PictureError, match="jpeg2000 cannot hold sides of fewer than 32 pixels"):
+        packed(picture, "jp2")
+    assert read(packed(_picture("uint8", "rgb", height=32), "jp2")).pixels.shape == (32, 48, 3)
+
+
 def test_jpeg_is_close(tmp_path: Path) -> None:
     ramp = np.linspace(0, 255, 64 * 64 * 3).reshape(64, 64, 3).astype(np.uint8)
     write(Picture(ramp, "rgb", (0.0, 255.0)), tmp_path / "x.jpg")
@@ -74,7 +81,7 @@ def test_samples_that_radiance_cannot_hold_are_refused(tmp_path: Path, sample: f
 @pytest.mark.parametrize("format", [holder.name for holder in FORMATS])
 def test_equal_pictures_make_equal_bytes(format: str, monkeypatch: pytest.MonkeyPatch) -> None:
     holder = find(format)
-    picture = _picture(holder.dtypes[0], "rgb")
+    picture = _picture(holder.dtypes[0], "rgb" if "rgb" in holder.layouts else "gray")
     if holder.positive:
         np.abs(picture.pixels, out=picture.pixels)
     files = []
@@ -95,6 +102,7 @@ def test_equal_pictures_make_equal_bytes(format: str, monkeypatch: pytest.Monkey
         ("png", "float32", "gray", "png cannot hold 32-bit float per sample, only 8 bits or 16 bits"),
         ("pfm", "uint8", "rgb", "pfm cannot hold 8 bits per sample"),
         ("ppm", "uint8", "rgba", "pnm cannot hold rgba"),
+        ("pgm", "uint8", "rgb", "pgm cannot hold rgb, only gray"),
         ("exr", "uint16", "rgb", "openexr cannot hold 16 bits"),
         ("webp", "uint8", "gray", "webp cannot hold gray"),
     ],
