@@ -173,7 +173,7 @@ class DecodeJob:
         if format_ is None and (target is None or target == STANDARD):
             header = stream.header
             is_float = bits == 32 or (bits is None and header.sample_type == "float32")
-            lost = header.channels == "multi" or lost_outside_tiff(stream.metadata.geo, stream.nodata)
+            lost = header.channels == "multi" or lost_outside_tiff(stream.metadata.geo, stream.nodata, _DTYPES[bits])
             return "tif" if self.output.pyramid or is_float or lost else "png"
         suffix = "" if target is None else Path(local_name(target)).suffix.removeprefix(".")
         if format_ is None and not suffix:

@@ -58,8 +58,8 @@ _TAGS = ("png", "jpg", "webp")
 """Formats besides TIFF that hold EXIF and XMP."""
 
 
-_UNKNOWN_TO_GDAL = (271, 272, 18246, *range(40091, 40096))
-"""Make, model, rating, Windows' tags."""
+_UNKNOWN_TO_GDAL = (271, 272, 18246, 18249, *range(40091, 40096))
+"""Make, model, ratings, Windows' tags."""
 
 _SCALING = ("scale", "offset", "unit")
 """What is said of samples and is not true of others."""
@@ -73,7 +73,7 @@ def losses(
     """
     stated, has_all_kinds = _of_bands(metadata.geo)
     found, numbers = [], [name for name in stated if dtype and name in _SCALING]
-    if dtype and (numbers or dtype == "float32" or lost_outside_tiff(metadata.geo, nodata)):
+    if dtype and (numbers or dtype == "float32" or lost_outside_tiff(metadata.geo, nodata, dtype)):
         from sgicodec.metadata.layouts import range_text
         from sgicodec.picture import full_range
 
@@ -81,7 +81,7 @@ def losses(
         found.append(f"samples are rescaled to {range_text(full_range(dtype))}{lost}")
     if extension != "tif":
         kept = [*numbers, *["names of bands"] * (extension == "zarr")]
-        names = _lost_blobs(metadata, extension) + _lost_places(metadata.geo, nodata, extension)
+        names = _lost_blobs(metadata, extension) + _lost_places(metadata.geo, nodata, extension, dtype)
         if names := names + [name for name in stated if name not in kept]:
             found.append(f".{extension} does not hold its {_listed(names)}; .tif does")
     if extension == "tif" and pyramid and _has_more_exif(metadata.exif, pyramid == "cog"):
@@ -117,23 +117,30 @@ def _of_bands(blob: bytes | None) -> tuple[list[str], bool]:
     return [name for name in stated_of_samples(blob) if name != "nodata value"], all(domains(blob))
 
 
-def lost_outside_tiff(blob: bytes | None, nodata: float | None) -> bool:
-    """Whether formats other than TIFF lose something of a picture's place, or its nodata value."""
-    return bool(_lost_places(blob, nodata, "png"))
+def lost_outside_tiff(blob: bytes | None, nodata: float | None, dtype: str | None = None) -> bool:
+    """Whether formats other than TIFF lose something of a picture's place, or its nodata value. dtype: see `losses`."""
+    return bool(_lost_places(blob, nodata, "", dtype))
 
 
 def _listed(names: list[str]) -> str:
     return ", ".join(names[:-1]) + (" and " if names[1:] else "") + names[-1] if names else ""
 
 
-def _lost_places(blob: bytes | None, nodata: float | None, extension: str) -> list[str]:
-    states_nodata = nodata is not None and not math.isnan(nodata)
+def _lost_places(blob: bytes | None, nodata: float | None, extension: str, dtype: str | None) -> list[str]:
+    """extension: empty for any format; dtype: see `losses`."""
+    states_nodata = nodata is not None and not (math.isnan(nodata) and dtype in (None, "float32"))  # floats show it
     if blob is None:
         return ["nodata value"] * states_nodata
     from sgicodec.metadata import geo
-    from sgicodec.metadata.density import density
 
     tags = geo.load(blob).keys()
     names = ["position"] * bool(tags & geo.PLACE) + ["projection"] * (geo.KEYS in tags)
     names += ["nodata value"] * (states_nodata or geo.GDAL_NODATA in tags)
-    return names + ["resolution"] * (extension not in ("png", "jpg", "zarr") and density(blob, None) is not None)
+    return names + ["resolution"] * (extension not in ("", "zarr") and _loses_resolution(blob, extension))
+
+
+def _loses_resolution(blob: bytes, extension: str) -> bool:
+    from sgicodec.metadata import density, jpeg, png
+
+    found, fields = density.density(blob, None), {"png": png.density_field, "jpg": jpeg.density_field}
+    return found is not None and (extension not in fields or fields[extension](found) is None)

@@ -143,8 +143,14 @@ def has_own_numbers(spec: ImageSpec) -> bool:
     over, no indices of a palette.
     """
     bits = spec.get_int_attribute("oiio:BitsPerSample", 0)
-    stretched = str(spec.format).startswith("uint") and bits not in (0, 8 * spec.format.size())
+    stretched = str(spec.format) in ("uint8", "uint16") and bits not in (0, 8 * spec.format.size())
     return not stretched and _photometric(spec) in (_GRAY, _RGB, _YCBCR)
+
+
+def bits_shifted(spec: ImageSpec, kind: str) -> int:
+    """By how many bits OpenImageIO has shifted the integers of a TIFF, as those of 24 bits, which then fill 32."""
+    bits = spec.get_int_attribute("oiio:BitsPerSample", 0)
+    return 32 - bits if (kind, str(spec.format)) == ("tiff", "uint") and 0 < bits < 32 else 0
 
 
 def renumbered(spec: ImageSpec, kind: str, stated: int = 0) -> str:

@@ -42,18 +42,18 @@ class Jpeg2000Reader(DecodedPicture):
 
     def _shape(self) -> tuple[int, int, int, str]:
         found = self._found
-        sample = "float" if found.is_deep else "uint16" if found.bits > 8 else "uint8"
-        return found.width, found.height, len(found.depths), sample
+        return found.width, found.height, len(found.depths), found.sample
 
     def spec(self) -> ImageSpec:
         """The header; its last channel is alpha only beside gray, and where no samples are signed."""
         import OpenImageIO as oiio
 
         width, height, count, sample = self._shape()
-        spec = oiio.ImageSpec(width, height, count, sample)
+        stored = oiio.TypeDesc(sample.removesuffix("32"))
+        spec = oiio.ImageSpec(width, height, count, stored)
         if self._header is not None:
             spec = oiio.ImageSpec(self._header)
-            spec.set_format(oiio.TypeDesc(sample))
+            spec.set_format(stored)
         spec.alpha_channel = 1 if count == 2 and self._found.has_alpha and not self._found.is_deep else -1
         if count not in (1, 3):
             spec.channelnames = tuple(f"band{band}" for band in range(count))

@@ -23,6 +23,7 @@ from sgicodec.image.header import (
     ALREADY_UPRIGHT,
     Probe,
     band_colours,
+    bits_shifted,
     has_own_numbers,
     header,
     holds_shifted_uint16,
@@ -41,7 +42,7 @@ from sgicodec.image.planes import Planes
 from sgicodec.image.raw_reader import RawReader
 from sgicodec.image.silence import without_libpng
 from sgicodec.image.slide_reader import SlideReader, is_slide
-from sgicodec.image.sniffed import SniffedFormat, larger_below, sniffed_format
+from sgicodec.image.sniffed import SniffedFormat, larger_below, others_below, sniffed_format
 from sgicodec.image.zarr_reader import ZarrReader, is_zarr
 from sgicodec.metadata import embedded, geo, icc, ifd, jp2, placement, png, radiance
 from sgicodec.metadata.filebytes import FileBytes
@@ -132,6 +133,9 @@ class Opened:
             found = left_behind(data) + [name for name in stated_of_samples(data) if name not in kept]
             if self.metadata.geo is None and jp2.states_place(FileBytes(file)):
                 found.append("its place (GML; the extra tiff reads it)")
+            if ifd.entries(data, {geo.RPC}) and geo.RPC not in geo.load(self.metadata.geo):
+                found.append("RPC, for it is turned")
+            found += others_below(data)
         found += [self.misfit] if self.misfit else []
         found += not_kept(self.spec, self.kind) if is_openimageio(self.image) else self.image.left_behind()
         return found + [f"what {name} says" for name in files_beside(self.path)]
@@ -158,6 +162,8 @@ class Opened:
         if pixels is None or found:
             raise PictureError(found or "its pixels cannot be read; the file is damaged or cut off")
         stored = np.asarray(pixels).reshape(rows, -1, self.spec.nchannels)
+        if is_openimageio(self.image) and (shift := bits_shifted(self.spec, self.kind)):
+            stored = stored >> np.uint32(shift)
         return stored.view(np.uint16) ^ np.uint16(1 << 15) if holds_shifted_uint16(self.spec, self.kind) else stored
 
     def finished(self, stored: Samples) -> Samples:
@@ -179,7 +185,7 @@ class Opened:
         return upright(pixels, self.orientation)
 
     def _narrowed(self, stored: Samples) -> Samples:
-        pixels, off = narrowed(stored, self.nodata)
+        pixels, off = narrowed(stored, geo.nodata(self.metadata.geo, self.native))
         self.rounding = max(self.rounding, off)
         return pixels
 

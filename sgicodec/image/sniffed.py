@@ -39,6 +39,7 @@ _RAW = (
 )
 
 _WIDTH, _HEIGHT = 256, 257
+_KIND, _REDUCED = 254, 1
 _SUB_IFDS, _PHOTOMETRIC, _DNG_VERSION = 330, 262, 50706
 _SENSOR = (32803, 34892)
 """Photometric interpretations of samples as a sensor gives them: behind colour filters, or linear."""
@@ -91,6 +92,17 @@ def larger_below(data: Bytes) -> tuple[int, int] | None:
         return None
     largest = max(below, default=own, key=math.prod)
     return largest if math.prod(largest) > math.prod(own) else None
+
+
+def others_below(data: Bytes) -> list[str]:
+    """What is said of pictures below the first directory of a TIFF that do not call themselves reductions of it."""
+    spelling = ifd.layout(data)
+    try:
+        below = [] if spelling is None else list(_directories(data, spelling))[1:]
+    except struct.error:
+        return []
+    count = sum(_WIDTH in found and not found.get(_KIND, 0) & _REDUCED for found in below)
+    return [f"{count} picture{'s' * (count > 1)} in sub-directories"] if count else []
 
 
 def _directories(data: Bytes, spelling: ifd.Layout) -> Iterator[dict[int, int]]:

@@ -67,7 +67,7 @@ def _numbers(entry: ifd.Entry | None) -> npt.NDArray[np.unsignedinteger[Any]]:
 
 
 class TiffReader(Reader):
-    """An open page, whose samples come as OpenImageIO would give them: stretched to whole bytes, 8 bits of which 0 is
+    """An open page, whose samples come as OpenImageIO would give them: stretched to 8 or 16 bits, 8 bits of which 0 is
     white turned over, palettes and inks as RGB. What is not there is 0 or the nodata value.
     """
 
@@ -127,7 +127,7 @@ class TiffReader(Reader):
             entries = self._file.colormap(1)
             colours = np.array([entries.get(index, (0, 0, 0, 255)) for index in range(1 << self._bits)], np.uint8)
             return colours[samples[..., 0], :count]
-        if self._type.kind == "u" and 0 < self._bits < full:
+        if self._type.kind == "u" and 0 < self._bits < full <= 16:
             samples = samples.astype(np.uint32) * ((1 << full) - 1) // ((1 << self._bits) - 1)
         samples = samples.astype(self._type, copy=False)
         if self._photometric == _WHITE_IS_ZERO and self._type == np.uint8:

@@ -12,8 +12,8 @@ _NONE, _INCH, _CENTIMETRE = 1, 2, 3
 _PER_METRE = {_INCH: 1 / 0.0254, _CENTIMETRE: 100.0}
 _RATIONAL, _SHORT = 5, 3
 
-_DEFAULT = 72.0 / 0.0254
-"""What programs and cameras write where they know nothing, in pixels per metre."""
+_DEFAULT, _DEFAULT_PER_CENTIMETRE = 72.0 / 0.0254, 28
+"""What programs and cameras write where they know nothing, in pixels per metre, and in whole ones per centimetre."""
 
 
 class Density(NamedTuple):
@@ -37,8 +37,9 @@ class Density(NamedTuple):
     def says_nothing(self) -> bool:
         """Whether it is what is written for want of a measurement."""
         across, down = self.per(self.unit)
-        is_default = self.unit == _NONE or abs(across * _PER_METRE[self.unit] / _DEFAULT - 1) < 0.02
-        return across == down and is_default
+        if self.unit == _NONE or (self.unit, across) == (_CENTIMETRE, _DEFAULT_PER_CENTIMETRE):
+            return across == down
+        return across == down and abs(across * _PER_METRE[self.unit] / _DEFAULT - 1) < 1e-3
 
     def tags(self) -> dict[int, ifd.Entry]:
         """The tags of TIFF that state it."""

@@ -63,9 +63,9 @@ def nodata(blob: bytes | None, dtype: np.dtype[Any]) -> float | None:
     value = gdal.number(entry.data.split(b"\0", 1)[0])
     if value is None:
         return None
-    if dtype.kind == "u":
-        largest = int(np.iinfo(dtype).max)
-        return value if 0 <= value <= largest and value == int(value) else None
+    if dtype.kind in "iu":
+        limits = np.iinfo(dtype)
+        return value if limits.min <= value <= limits.max and value == int(value) else None
     with np.errstate(over="ignore"):
         return float(dtype.type(value))
 

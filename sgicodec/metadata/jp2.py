@@ -53,6 +53,13 @@ class Components(NamedTuple):
         """Of the deepest component."""
         return 1 + max(depth & 127 for depth in self.depths)
 
+    @property
+    def sample(self) -> str:
+        """The type that holds the samples of all components."""
+        signs = {depth >= _SIGNED for depth in self.depths}
+        size = 32 if self.bits > 16 or len(signs) > 1 else 16 if self.bits > 8 else 8
+        return f"{'int' if True in signs else 'uint'}{size}"
+
 
 def is_boxed(data: Bytes) -> bool:
     """Whether a file begins like one of JPEG 2000 in boxes; one without has no metadata."""

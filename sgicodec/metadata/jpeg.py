@@ -130,16 +130,21 @@ def _density(payload: bytes) -> Density | None:
 
 
 def _with_density(segment: bytes, found: Density | None) -> bytes:
-    """A JFIF segment with this density, in whole pixels per centimetre, else per inch; as it is if neither holds it."""
-    if found is None or not segment.startswith(_JFIF, 4):
-        return segment
-    for unit in dict.fromkeys((found.unit, 2 if found.unit != 1 else 1)):
+    """A JFIF segment with this density; as it is if it does not hold it."""
+    stated = None if found is None else density_field(found)
+    return segment if stated is None or not segment.startswith(_JFIF, 4) else segment[:11] + stated + segment[16:]
+
+
+def density_field(found: Density) -> bytes | None:
+    """A density as JFIF states it, in whole pixels: exactly per its own unit, or within a hundredth per inch; None if
+    neither can be.
+    """
+    for unit, tolerance in ((found.unit, 0.0), (min(found.unit, 2), 0.01)):
         pair = found.per(unit)
         whole = [round(value) for value in pair]
-        is_near = unit != found.unit or tuple(whole) == pair
-        if is_near and all(0 < value <= 0xFFFF for value in whole):
-            return segment[:11] + struct.pack(">BHH", _UNITS.index(unit), *whole) + segment[16:]
-    return segment
+        if all(0 < n <= 0xFFFF and abs(n / value - 1) <= tolerance for n, value in zip(whole, pair, strict=True)):
+            return struct.pack(">BHH", _UNITS.index(unit), *whole)
+    return None
 
 
 def _segment(prefix: bytes, payload: bytes, name: str) -> bytes:

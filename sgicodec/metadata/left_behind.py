@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import re
 import struct
 
 from sgicodec.errors import PictureError
 from sgicodec.metadata import (
     avif,
+    exif,
     extended_xmp,
     ifd,
     jp2,
@@ -48,8 +50,11 @@ _MAX_PADDING = 1 << 16
 _CREDENTIALS, _JUMBF = "Content Credentials", b"JP"
 _PNG_CHUNKS = (
     *(b"IHDR", b"PLTE", b"IDAT", b"tRNS", b"pHYs", b"eXIf", b"acTL", b"fcTL", b"fdAT"),
-    *(b"tIME", b"bKGD", b"hIST", b"sPLT", b"sBIT", b"iDOT", b"vpAg"),
+    *(b"tIME", b"bKGD", b"hIST", b"iDOT", b"vpAg"),
 )
+_NUMBER = rb"(?:\s|#[^\n]*\n)+(\d+)"
+_PNM, _MAX_PNM_HEADER = re.compile(rb"(?:P4" + 2 * _NUMBER + rb"|P([56])" + 3 * _NUMBER + rb")\s"), 1 << 12
+"""The header of a Netpbm file of bits, or of bytes: width, height and, of bytes, the largest sample."""
 _WEBP_CHUNKS = (b"VP8X", b"VP8 ", b"VP8L", b"ALPH", b"ANIM", b"ANMF", b"ICCP", b"EXIF", b"XMP ")
 """Chunks that are read, or say nothing of the picture itself."""
 _MOTION = (b'MotionPhoto="1"', b'MicroVideo="1"')
@@ -102,6 +107,8 @@ def left_behind(data: Bytes) -> list[str]:
             found = radiance.left_behind(data)
         elif data[:2] == b"BM":
             found = stated_colours.of_bmp(data)
+        elif stated := _PNM.match(bytes(data[:_MAX_PNM_HEADER])):
+            found = _behind(data, _end_of_pnm(stated))
         elif data[:4] == b"qoif":
             found = stated_colours.of_qoi(data)
         else:
@@ -152,6 +159,15 @@ def are_foreign(colours: tuple[int, ...]) -> bool:
     return any(stated not in (usual, _UNKNOWN) for stated, usual in zip(colours, _SRGB, strict=False))
 
 
+def _end_of_pnm(header: re.Match[bytes]) -> int:
+    """Place behind the first picture of a Netpbm file in bytes; others may follow."""
+    if header[3] is None:
+        width, height = map(int, header.group(1, 2))
+        return header.end() + (width + 7) // 8 * height
+    width, height, largest = map(int, header.group(4, 5, 6))
+    return header.end() + width * height * (3 if header[3] == b"6" else 1) * (2 if largest > 255 else 1)
+
+
 def _is_far(contents: bytes | None, usual: tuple[int, ...]) -> bool:
     """Whether whole numbers of 32 bits are others than these."""
     if contents is None:
@@ -161,7 +177,7 @@ def _is_far(contents: bytes | None, usual: tuple[int, ...]) -> bool:
 
 
 def _of_jpeg(data: Bytes) -> list[str]:
-    found, packet = [], b""
+    found, packet, has_exif = [], b"", False
     pieces, resources, jumbf = [], [], []
     for start, end in jpeg.segments(data):
         marker, payload = data[start + 1], bytes(data[start + 4 : end])
@@ -169,6 +185,9 @@ def _of_jpeg(data: Bytes) -> list[str]:
             resources.append(payload.removeprefix(_PHOTOSHOP))
         elif marker == _APP1 and payload.startswith(jpeg.EXTENSION_PREFIX):
             pieces.append(payload.removeprefix(jpeg.EXTENSION_PREFIX))
+        elif marker == _APP1 and payload.startswith(exif.PREFIX) and ifd.layout(payload[len(exif.PREFIX) :]):
+            found += ["a second EXIF"] if has_exif else []
+            has_exif = True
         elif marker == _APP1 and payload.startswith(jpeg.XMP_PREFIX):
             found += ["a second XMP packet"] if packet else []
             packet = packet or payload
@@ -217,9 +236,12 @@ def _of_tiff(data: Bytes) -> list[str]:
     if any(entries[tag].data[:4].strip(b"\0") for tag in (_PAGE_X, _PAGE_Y) if tag in entries):
         found.append("its position on a page")
     found += stacks.left_behind(tiff.of_stack(data) | ifd.load(data, {tiff.DESCRIPTION}))
-    known = _ASKED | tiff.KEPT | stated_colours.TIFF_TAGS | _IDLE_PRIVATE
-    private = sum(tag >= _FIRST_PRIVATE and tag not in known for tag in ifd.tags(data))
-    return [*found, f"{private} private tag{'s' * (private > 1)}"] if private else found
+    known = _ASKED | tiff.KEPT | tiff.STRUCTURE | stated_colours.TIFF_TAGS | _IDLE_PRIVATE
+    unknown = [tag for tag in ifd.tags(data) if tag not in known]
+    private = sum(tag >= _FIRST_PRIVATE for tag in unknown)
+    for count, kind in ((len(unknown) - private, "other"), (private, "private")):
+        found += [f"{count} {kind} tag{'s' * (count > 1)}"] * (count > 0)
+    return found
 
 
 def _palette(table: ifd.Entry | None) -> str:

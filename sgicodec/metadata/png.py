@@ -77,13 +77,15 @@ def _density(contents: bytes) -> Density | None:
     return Density((across, 100), (down, 100), 3) if unit else Density((across, 1), (down, 1), 1)
 
 
-def _physical(found: Density) -> bytes:
-    """The contents of a pHYs chunk; none where it does not hold them."""
+def density_field(found: Density) -> bytes | None:
+    """A density as pHYs states it, in whole pixels per metre, within a hundredth; None where it cannot."""
     if found.unit == 1:
         pair = [ratio[0] * other[1] for ratio, other in ((found.across, found.down), (found.down, found.across))]
     else:
         pair = [round(100 * value) for value in found.per(3)]
-    return struct.pack(">IIB", *pair, found.unit != 1) if all(0 < value < 1 << 31 for value in pair) else b""
+        if any(abs(n - 100 * value) > value for n, value in zip(pair, found.per(3), strict=True)):
+            return None
+    return struct.pack(">IIB", *pair, found.unit != 1) if all(0 < value < 1 << 31 for value in pair) else None
 
 
 def metadata_chunks(metadata: Metadata) -> bytes:
@@ -92,7 +94,7 @@ def metadata_chunks(metadata: Metadata) -> bytes:
     if metadata.icc is not None:
         made += chunk(b"iCCP", b"ICC profile\0\0" + zlib.compress(metadata.icc))
     found = density.density(metadata.geo, metadata.exif)
-    if found is not None and (physical := _physical(found)):
+    if found is not None and (physical := density_field(found)):
         made += chunk(b"pHYs", physical)
     if metadata.exif is not None:
         made += chunk(b"eXIf", metadata.exif)
@@ -149,7 +151,7 @@ def chunk(kind: bytes, contents: bytes) -> bytes:
 
 def frames(data: Bytes) -> int:
     """How many pictures an animated PNG shows, its still one included; 1 of others."""
-    count, still = 1, 1
+    count, still = 0, 1
     for kind, start, _ in chunks(data):
         if kind == b"acTL":
             count = int.from_bytes(data[start : start + 4], "big")
@@ -157,4 +159,4 @@ def frames(data: Bytes) -> int:
             still = 0
         elif kind == b"IDAT":
             break
-    return max(1, count + still) if count > 1 else 1
+    return max(1, count + still) if count else 1

@@ -19,12 +19,18 @@ _PHOTOMETRIC, _EXTRA_SAMPLES = 262, 338
 _DATETIME = 306
 DESCRIPTION, XMP = 270, 700
 
-_DESCRIPTIVE = {269, DESCRIPTION, 271, 272, 305, _DATETIME, 315, 316, 18246, 33432, *range(40091, 40096)}
-"""Document name, description, make, model, software, date, artist, host, rating, copyright, Windows' tags."""
+_DESCRIPTIVE = {269, DESCRIPTION, 271, 272, 305, _DATETIME, 315, 316, 18246, 18249, 33432, *range(40091, 40096)}
+"""Document name, description, make, model, software, date, artist, host, ratings, copyright, Windows' tags."""
 
 _EXIF = _DESCRIPTIVE | geo.RESOLUTION | {ifd.EXIF_IFD, ifd.GPS_IFD}
 KEPT = _EXIF | geo.TAGS | {XMP}
 """Tags that a stream keeps."""
+
+STRUCTURE = {
+    *(*range(254, 269), *range(273, 282), 284, *range(288, 294), 297, 301, *range(317, 321), *range(322, 331)),
+    *(*range(332, 337), *range(338, 342), 347, *range(512, 522), *range(529, 533), 559, 34675),
+} - _EXIF
+"""Tags of the first directory that say how pixels are stored or become colours; what they lose is said by name."""
 
 _NO_UNIT = ifd.Entry(3, b"\1\0")
 
@@ -83,7 +89,8 @@ def insert(
             raise struct.error("not a little-endian TIFF")
         directory.pop(_DATETIME, None)
         if exif is not None:
-            directory |= ifd.load(exif, _EXIF)
+            stated, taken = ifd.load(exif), STRUCTURE | geo.TAGS | {XMP, *directory}
+            directory |= {tag: item for tag, item in stated.items() if tag in _EXIF or tag not in taken}
         if xmp is not None:
             directory[XMP] = ifd.Entry(_BYTE, xmp)
         directory |= geo.load(georeference)

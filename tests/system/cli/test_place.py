@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -160,6 +161,28 @@ def test_a_nodata_value_without_a_place(nodata: float, is_lost: bool, tmp_path: 
     done("decode", tmp_path / "x.sgi")
     with tifffile.TiffFile(tmp_path / "x.tif") as file:
         assert float(file.pages.first.tags[42113].value) == pytest.approx(nodata, nan_ok=True)
+
+
+@pytest.mark.parametrize(("depth", "is_lost"), [(8, True), (16, True), (32, False)])
+def test_not_a_number_is_lost_among_integers(depth: int, is_lost: bool, tmp_path: Path) -> None:
+    pixels = np.full((24, 40), 90, np.float32)
+    pixels[:4] = np.nan
+    sgicodec.imwrite(tmp_path / "x.sgi", pixels, nodata=float("nan"), steps=2)
+    out = tmp_path / ("x.pfm" if depth == 32 else "x.png")
+    lines = done("decode", tmp_path / "x.sgi", out, "--depth", depth).stderr
+    assert (f"sgi: {out}: .png does not hold its nodata value; .tif does\n" in lines) == is_lost
+    assert ("samples are rescaled" in lines) == is_lost
+    done("decode", tmp_path / "x.sgi", "--depth", depth)
+    assert (tmp_path / "x.tif").exists()  # which holds it
+
+
+@pytest.mark.parametrize("extension", ["jpg", "png"])
+def test_a_resolution_that_is_not_held_is_said(extension: str, tmp_path: Path) -> None:
+    stated: dict[str, Any] = {"resolution": (2.5e-4, 2.5e-4), "resolutionunit": 3, "metadata": None, "software": False}
+    tifffile.imwrite(tmp_path / "x.tif", np.zeros((24, 40), np.uint8), **stated)
+    done("encode", tmp_path / "x.tif", "--steps", 2)
+    out = tmp_path / f"x.{extension}"
+    assert f".{extension} does not hold its resolution; .tif does" in done("decode", tmp_path / "x.sgi", out).stderr
 
 
 _ITEM = '<Item name="{}" sample="0" role="{}">{}</Item>'

@@ -34,6 +34,17 @@ def test_the_numbers_are_those_of_the_file(tmp_path: Path, dtype: str, bits: int
         np.testing.assert_array_equal(source.read(7, 5, 30, 20).pixels, picture.pixels[5:25, 7:37])
 
 
+def test_what_has_more_bits_than_floats_is_off(tmp_path: Path) -> None:
+    stored = (1 << 24 | numbers("uint32", 10, 1) | 1).astype(np.uint32)
+    data = imagecodecs.jpeg2k_encode(stored, codecformat="jp2", reversible=True, bitspersample=25)
+    (tmp_path / "x.jp2").write_bytes(data)
+    with open_source(tmp_path / "x.jp2") as source:
+        picture = source.read(0, 0, 50, 40)
+        assert "samples of uint32 become 32-bit floats, rounded to 24 bits" in source.notes
+    np.testing.assert_array_equal(picture.pixels[..., 0], stored.astype(np.float32))
+    assert read(tmp_path / "x.jp2").rounding == 1
+
+
 @pytest.mark.parametrize("bits", [8, 12, 16])
 @pytest.mark.parametrize("bands", [2, 5])
 @pytest.mark.parametrize("container", ["jp2", "j2k"])

@@ -73,6 +73,14 @@ def test_frames_of_an_animation(name: str) -> None:
             np.testing.assert_array_equal(picture.pixels, expected)
 
 
+def test_a_still_picture_and_one_frame() -> None:
+    still, frame = (Image.new("RGB", (16, 12), colour) for colour in ("red", "blue"))
+    data = by_pillow(still, "PNG", save_all=True, append_images=[frame], default_image=True)
+    with open_source(data) as source:
+        assert source.pages == 2
+    assert [read(data, page=page).pixels[3, 3].tolist() for page in (1, 2)] == [[255, 0, 0], [0, 0, 255]]
+
+
 @pytest.mark.parametrize("options", [{"format": "GIF"}, {"format": "WEBP", "lossless": True}])
 def test_frames_that_hold_changes_alone(options: dict[str, Any]) -> None:
     """The first of WebP shows a part of the canvas, the others what moved."""

@@ -9,13 +9,14 @@ import numpy as np
 import OpenImageIO as oiio
 import pytest
 from data_files import PICTURES
-from image_files import by_pillow, noise
+from image_files import by_pillow, by_tifffile, noise, notes_of
 from PIL import Image
 
 from sgicodec import read, write
 from sgicodec.errors import PictureError
 from sgicodec.image.alpha import unassociate
 from sgicodec.image.reader import probe
+from sgicodec.metadata import geo
 from sgicodec.metadata.png import chunk
 from sgicodec.picture import Metadata, Picture
 
@@ -202,6 +203,14 @@ def test_associated_alpha_is_divided_out() -> None:
     expected = (stored[..., :3] * 65535 / np.maximum(stored[..., 3:], 1))[visible]
     np.testing.assert_allclose(pixels[..., :3][visible], expected, atol=0.5)
     np.testing.assert_array_equal(pixels[~visible], stored[~visible])
+
+
+@pytest.mark.parametrize("turn", [1, 6])
+def test_rational_polynomials_do_not_turn(turn: int) -> None:
+    tags = [(50844, "d", 92, (0.5, *[1.0] * 91), True), (274, "H", 1, turn, True)]
+    data = by_tifffile(np.zeros((8, 9), np.uint8), photometric="minisblack", metadata=None, extratags=tags)
+    assert notes_of(data) == (("not kept: RPC, for it is turned",) if turn > 1 else ())
+    assert (geo.RPC in geo.load(read(data).metadata.geo)) == (turn == 1)
 
 
 def test_a_profile_for_other_channels_is_left_behind() -> None:

@@ -14,7 +14,7 @@ import tifffile
 
 from sgicodec import read, write
 from sgicodec.errors import PictureError
-from sgicodec.image.sniffed import sniffed_format
+from sgicodec.image.sniffed import others_below, sniffed_format
 from sgicodec.metadata.filebytes import FileBytes
 from sgicodec.picture import Picture
 
@@ -90,6 +90,15 @@ def test_a_preview_of_a_picture_below_it_is_refused(how: dict[str, Any]) -> None
                 read(out.getvalue())
         else:
             assert read(out.getvalue()).pixels.shape[:2] == (300, 400)
+
+
+@pytest.mark.parametrize(("kind", "names"), [(0, ["1 picture in sub-directories"]), (1, [])])
+def test_a_picture_below_that_is_no_reduction_is_named(kind: int, names: list[str]) -> None:
+    out, pixels = io.BytesIO(), np.zeros((30, 40), np.uint8)
+    with tifffile.TiffWriter(out) as file:
+        file.write(pixels, subifds=1, metadata=None)
+        file.write(pixels, subfiletype=kind, metadata=None)
+    assert others_below(out.getvalue()) == names
 
 
 def test_no_picture_is_taken_for_one(tmp_path: Path) -> None:

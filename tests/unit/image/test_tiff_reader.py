@@ -64,6 +64,15 @@ def test_what_a_sparse_file_lacks_is_nodata_or_0(
     check(path, np.moveaxis(pixels, 0, -1))
 
 
+@pytest.mark.parametrize("options", [{}, TILES, {"compress": "ZSTD"}], ids=["strips", "tiles", "by GDAL"])
+def test_integers_of_24_bits(tmp_path: Path, options: dict[str, Any]) -> None:
+    """OpenImageIO shifts them to 32."""
+    pixels = samples(1, "uint32", 1 << 24)
+    path = save(tmp_path / "x.tif", pixels, NBITS=24, nodata=77, **options)
+    check(path, np.moveaxis(pixels, 0, -1))
+    assert read(path).nodata == 77
+
+
 @pytest.mark.parametrize("compression", ["ZSTD", "LERC", "LERC_DEFLATE", "LERC_ZSTD", "LZMA"])
 @pytest.mark.parametrize("layout", [TILES, {"blockysize": 16}], ids=["tiles", "strips"])
 @pytest.mark.parametrize("dtype", ["uint8", "int16", "uint16", "float32", "float64"])

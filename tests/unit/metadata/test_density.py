@@ -11,7 +11,7 @@ from image_files import by_pillow, packed
 from tags import exif_of, geo_of, rational, shorts
 
 from sgicodec import read
-from sgicodec.metadata import density
+from sgicodec.metadata import density, jpeg, png
 from sgicodec.metadata.density import Density
 from sgicodec.metadata.georeference import resolution
 from sgicodec.metadata.png import chunk
@@ -65,6 +65,8 @@ def test_what_a_file_states_is_kept(data: bytes, expected: Density | None) -> No
         (72, 72, 2, False),
         (28, 28, 3, False),
         (72, 71, 2, True),
+        (73, 73, 2, True),
+        (71, 71, 2, True),
         (96, 96, 2, True),
         (300, 300, 2, True),
         (72, 72, 3, True),
@@ -74,3 +76,17 @@ def test_72_pixels_per_inch_are_no_measurement(across: int, down: int, unit: int
     tags = {282: rational(across), 283: rational(down), 296: shorts(unit)}
     blob, exif = geo_of(tags), exif_of({**tags})
     assert (resolution(blob, None) is not None) == (resolution(None, exif) is not None) == is_measured
+
+
+@pytest.mark.parametrize(
+    ("found", "jfif", "phys"),
+    [
+        (Density((100_000, 1), (100_000, 1), 3), False, True),  # 0.1 µm, more than JFIF's 16 bits
+        (Density((1, 5), (1, 5), 3), False, True),  # half a pixel per inch
+        (Density((1, 4000), (1, 4000), 3), False, False),
+        (Density((181, 2), (181, 2), 2), True, True),  # 90.5 per inch, 91 in JFIF
+        (Density((3, 2), (1, 1), 1), False, True),
+    ],
+)
+def test_what_holds_a_density(found: Density, jfif: bool, phys: bool) -> None:
+    assert (jpeg.density_field(found) is not None, png.density_field(found) is not None) == (jfif, phys)

@@ -9,7 +9,7 @@ import pytest
 from data_files import PICTURES
 from image_files import packed
 from PIL import Image
-from tags import exif_blob
+from tags import doubles, exif_blob, exif_of, shorts, text
 
 from sgicodec import read
 from sgicodec.errors import PictureError
@@ -56,6 +56,17 @@ def test_camera_exif_survives(format: str, name: str) -> None:
     assert kept.keys() >= expected.keys() & {271, 272, 305, 306, ifd.EXIF_IFD, ifd.GPS_IFD}
     for tag in kept:
         assert kept[tag] == expected[tag]
+
+
+def test_own_tags_of_exif_become_tags_of_a_tiff() -> None:
+    """But not what says how pixels of another file are stored, or where it lay."""
+    own = {4096: text("mine"), 50341: text("PrintIM"), 18249: shorts(99)}
+    exif = exif_of({**own, 258: shorts(5), 531: shorts(2), 33550: doubles(2, 2, 0), 305: text("x")})
+    data = packed(_flat(Metadata(exif=exif)), "tiff")
+    stored = ifd.load(data)
+    assert {tag: stored[tag] for tag in own} == own
+    assert stored[258] != shorts(5)
+    assert not stored.keys() & {531, 33550}
 
 
 PLACES = [

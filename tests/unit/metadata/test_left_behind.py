@@ -12,6 +12,7 @@ import pytest
 import tifffile
 from image_files import by_pillow, by_tifffile
 from PIL import Image, PngImagePlugin
+from tags import exif_of, text
 
 from sgicodec.metadata.filebytes import FileBytes
 from sgicodec.metadata.left_behind import left_behind
@@ -32,8 +33,8 @@ def png(*chunks: bytes) -> bytes:
 
 def texts(**given: str) -> bytes:
     info = PngImagePlugin.PngInfo()
-    for keyword, text in given.items():
-        info.add_text(keyword.replace("_", " "), text)
+    for keyword, value in given.items():
+        info.add_text(keyword.replace("_", " "), value)
     return saved("png", pnginfo=info)
 
 
@@ -79,6 +80,7 @@ def inks(kind: int) -> bytes:
 
 PAGE = ("PageName", "its position on a page")
 DAPI: dict[str, Any] = {"axes": "YX", "Channel": {"Name": ["DAPI"], "Color": [255]}, "Plane": {"ExposureTime": [0.1]}}
+EXIF = b"Exif\0\0" + exif_of({305: text("x")})
 XMP = b"http://ns.adobe.com/xap/1.0/\0<x/>"
 GAMMA, LINEAR = (chunk(b"gAMA", struct.pack(">I", value)) for value in (45455, 100000))
 PQ = chunk(b"cICP", bytes([9, 16, 0, 1]))
@@ -113,6 +115,8 @@ PQ = chunk(b"cICP", bytes([9, 16, 0, 1]))
         (jpeg(0xEB, b"JP\0\1\0\0\0\1\0\0\0\x28jumbc2pa"), ["Content Credentials"]),
         (jpeg(0xE4, b"\1\2\3"), ["APP4"]),
         (jpeg(0xE1, XMP, XMP), ["a second XMP packet"]),
+        (jpeg(0xE1, EXIF, EXIF), ["a second EXIF"]),
+        (jpeg(0xE1, EXIF, b"Exif\0\0and so on"), []),
         (jpeg(0xE2, b"FPXR\0\1"), ["APP2 (FPXR)"]),
         (jpeg(0xEC, b"Ducky\0\1"), []),
         (jpeg(0xE1, b"http://ns.adobe.com/xmp/extension/\0" + bytes(50)), ["a part of its XMP"]),
@@ -123,6 +127,11 @@ PQ = chunk(b"cICP", bytes([9, 16, 0, 1]))
             ["Content Credentials", "chunk sTER"],
         ),
         (png() + b"more", ["4 bytes behind its end"]),
+        (png(chunk(b"sBIT", b"\5\6\5"), chunk(b"bKGD", bytes(6))), ["chunk sBIT"]),
+        (b"P5 # of 4\n2 3\n255\n" + bytes(6), []),
+        (b"P5 2 3 255\n" + bytes(6) + b"P5 2 3 255\n" + bytes(6), ["17 bytes behind its end"]),
+        (b"P6 2 3 256\n" + bytes(36) + b"P6", ["2 bytes behind its end"]),
+        (b"P4 9 3\n2 3 4 P4", ["2 bytes behind its end"]),
         (saved("webp") + b"C2PA" + struct.pack("<I", 4) + b"jumb", ["Content Credentials"]),
         (tiff({}), []),
         (tiff({"extratags": [(33723, "B", 4, b"1234", True)]}), ["IPTC"]),
@@ -131,6 +140,8 @@ PQ = chunk(b"cICP", bytes([9, 16, 0, 1]))
         (tiff({"extratags": [(280, "H", 1, 3, True), (281, "H", 1, 200, True)]}), ["MinSampleValue", "MaxSampleValue"]),
         (tiff({"extratags": [(280, "H", 1, 0, True), (281, "H", 1, 255, True)]}), []),
         (tiff({"extratags": [(65000, "H", 1, 3, True)]}), ["1 private tag"]),
+        (tiff({"extratags": [(1000, "H", 1, 3, True), (337, "s", 0, "press", True)]}), ["2 other tags"]),
+        (tiff({"extratags": [(18249, "H", 1, 99, True)]}), []),
         (tiff({"extratags": [(65000, "H", 1, 3, True), (65535, "s", 0, "a", True)]}), ["2 private tags"]),
         (tiff({"extratags": [(33628, "I", 1, 1, True), (51023, "s", 0, "<Fibics/>", True)]}), ["2 private tags"]),
         (tiff({"extratags": [(32997, "I", 1, 1, True), (33432, "s", 0, "me", True)]}), []),

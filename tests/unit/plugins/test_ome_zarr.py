@@ -11,6 +11,7 @@ import pytest
 import zarr
 from command import done, refused, sgi
 from data_files import GOLDEN
+from tags import exif_of, text
 
 import sgicodec
 from sgicodec.decoder import bands
@@ -89,6 +90,13 @@ def test_the_name_of_a_single_channel_is_kept(tmp_path: Path) -> None:
     write_ome_zarr(found, tmp_path / "a.zarr")
     assert band_facts(sgicodec.read(tmp_path / "a.zarr").metadata.geo, 1)[0].description == "DAPI"
     assert 'Name="DAPI"' in ome_xml(found, 9, 9, np.dtype(np.uint8), None).decode()
+
+
+def test_a_description_is_kept() -> None:
+    exif = exif_of({270: text("slide 7 \x01& <a>")})
+    picture = Picture(np.zeros((9, 9, 1), np.uint8), "gray", (0, 255), Metadata(exif=exif))
+    found = ome_xml(sgicodec.open(sgicodec.encode(picture, steps=2)), 9, 9, np.dtype(np.uint8), None).decode()
+    assert "<Description>slide 7 &amp; &lt;a&gt;</Description>" in found
 
 
 def test_what_may_be_replaced(tmp_path: Path) -> None:
