@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from sgicodec.bench.codec import Pixels8
-from sgicodec.bench.peer import Peer
+from sgicodec.bench.peers import Peer
 from sgicodec.bench.sgi import SgiCodec
 from sgicodec.errors import SgiError
 

@@ -11,7 +11,7 @@ import click
 from benchmarks._sized import TOLERANCE, best_within
 from sgicodec import read
 from sgicodec.bench.codec import Pixels8
-from sgicodec.bench.peers import AvifIq
+from sgicodec.bench.peers import PEERS
 from sgicodec.decoder.stream import open_stream
 from sgicodec.errors import require
 from sgicodec.metrics.perceptual import perceived
@@ -62,7 +62,7 @@ def _ours(original: Pixels8, stream: Path, part: Region) -> _Panel:
 
 def _theirs(original: Pixels8, size: int, part: Region) -> _Panel:
     """The best AVIF of about `size` bytes, or the smallest there is: qualities come in steps."""
-    codec = AvifIq()
+    codec = PEERS["avif-iq"]
     most = int(size * TOLERANCE)
     quality = best_within(codec.scale, lambda quality: len(codec.encode(original, quality)), most)
     data = codec.encode(original, codec.scale[0] if quality is None else quality)

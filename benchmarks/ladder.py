@@ -18,8 +18,7 @@ from benchmarks._turns import median_seconds
 from sgicodec import EncodeSettings, Picture, encode_picture, read
 from sgicodec._native import keep_freed_memory
 from sgicodec.bench.codec import Pixels8
-from sgicodec.bench.peer import Peer
-from sgicodec.bench.peers import AvifIq, JpegXl
+from sgicodec.bench.peers import PEERS, Peer
 from sgicodec.decoder.stream import open_stream
 from sgicodec.device import Device
 from sgicodec.encoder.progress import NullListener
@@ -137,7 +136,7 @@ def main(
     wanted = tuple(float(quality) for quality in qualities.split(","))
     device = Device(threads)
     rungs = [sgi_rung(int(effort), wanted, device) for effort in efforts.split(",")]
-    rungs += [peer_rung(AvifIq()), peer_rung(JpegXl())] if peers else []
+    rungs += [peer_rung(PEERS["avif-iq"]), peer_rung(PEERS["jxl"])] if peers else []
     found: dict[str, dict[str, list[Point]]] = {rung.name: {} for rung in rungs}
     scores: dict[str, float] = {}
     for path in pictures:

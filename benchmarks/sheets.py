@@ -14,8 +14,7 @@ from benchmarks._places import Place, busiest, most_different
 from benchmarks._sized import Sized, coded_to_size
 from sgicodec.bench.codec import Pixels8
 from sgicodec.bench.options import numbers
-from sgicodec.bench.peer import Peer
-from sgicodec.bench.peers import find_peers
+from sgicodec.bench.peers import Peer, find_peers
 from sgicodec.bench.run import Sample, find_pictures, load_sample
 from sgicodec.bench.sgi import SgiCodec
 from sgicodec.errors import UsageError, require

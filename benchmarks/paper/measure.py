@@ -19,7 +19,7 @@ from benchmarks.paper.jobs import REDUCTION, Job, Method
 from benchmarks.paper.rows import PaperRow
 from sgicodec import NullListener, encode_picture
 from sgicodec.bench.codec import Pixels8
-from sgicodec.bench.peers import Jpeg
+from sgicodec.bench.peers import PEERS
 from sgicodec.bench.run import Sample
 from sgicodec.bench.sgi import Run, SgiCodec, run_timed
 from sgicodec.decoder.stream import open_stream
@@ -109,7 +109,7 @@ class Bench:
 
     def _jpeg(self, job: Job, sample: Sample, size: int) -> PaperRow:
         """JPEG at the best quality that takes no more bytes; at its least where even that takes more."""
-        jpeg, pixels = Jpeg(), sample.pixels
+        jpeg, pixels = PEERS["jpeg"], sample.pixels
         quality = best_within(jpeg.scale, lambda quality: len(jpeg.encode(pixels, quality)), size)
         path = self._path(pixels, f"jpeg {quality}").with_suffix(".jpg")
         began, cpu_began = time.perf_counter(), time.process_time()

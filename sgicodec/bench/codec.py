@@ -1,11 +1,11 @@
-"""What the benchmark asks of a codec, whether it runs in this process or as a command of its own."""
+"""What the benchmark learns of a codec, whether it runs in this process or as a command of its own."""
 
 from __future__ import annotations
 
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import NamedTuple, Protocol, TypeVar
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -44,27 +44,6 @@ class Coded(NamedTuple):
     pixels: Pixels
     encode_seconds: float | None
     decode_seconds: float | None
-
-
-class Codec(Protocol):
-    """A codec at a ladder of qualities, by rising rate; the scale of `quality` is the codec's own."""
-
-    @property
-    def name(self) -> str:
-        """Names the codec's curve in tables and results."""
-
-    @property
-    def ladder(self) -> tuple[float, ...]:
-        """The qualities to measure."""
-
-    def version(self) -> str:
-        """The versions of all that decides what the file holds. Raises UsageError if it is missing."""
-
-    def settings(self, quality: float) -> str:
-        """Every setting of a point, in one line without tabs."""
-
-    def round_trip(self, pixels: Pixels8, quality: float) -> RoundTrip:
-        """Encode and decode once. Raises SgiError if the codec fails on this picture."""
 
 
 def timed(call: Callable[[], Result]) -> tuple[Result, float]:

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
 
-    from sgicodec.bench.codec import Codec
+    from sgicodec.bench.run import Codec
     from sgicodec.bench.sgi import SgiCodec
     from sgicodec.picture import Picture
 

@@ -6,159 +6,186 @@ to 2.5 bits per pixel on photographs of the size of the Kodak set, and SSIMULACR
 
 from __future__ import annotations
 
+import io
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
-from typing import Any, ClassVar
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
-from sgicodec.bench.codec import Pixels8
-from sgicodec.bench.peer import Peer, PillowPeer
-from sgicodec.errors import UsageError, require
+from sgicodec.bench.codec import Pixels8, RoundTrip, timed
+from sgicodec.errors import PictureError, UsageError, require
 
 
 @dataclass(frozen=True)
-class Jpeg(PillowPeer):
-    """Baseline JPEG's progressive form by libjpeg-turbo: 4:2:0, optimised Huffman tables."""
+class Pillow:
+    """A codec of pillow: its name there, the feature that pillow needs for it and the library behind."""
 
-    name: ClassVar[str] = "jpeg"
-    container, feature, library = "JPEG", "libjpeg_turbo", "libjpeg-turbo"
-    scale: ClassVar[Sequence[float]] = range(1, 96)
-    stated: ClassVar[str] = "quality={quality:.0f} 4:2:0 optimise progressive"
-    ladder: tuple[float, ...] = (4, 7, 11, 18, 30, 48, 70, 85, 93)
+    container: str
+    feature: str
+    library: str
 
-    def options(self, quality: float) -> dict[str, Any]:
-        return {"quality": round(quality), "subsampling": "4:2:0", "optimize": True, "progressive": True}
+    def version(self, name: str) -> str:
+        """Raises UsageError if it is missing."""
+        require("PIL", name, "bench")
+        import PIL
+        from PIL import features
 
+        if not features.check(self.feature):
+            raise UsageError(f"{name} needs a pillow that holds {self.library}: pip install 'sgicodec[bench]'")
+        found = f"{self.library} {features.version(self.feature)} in pillow {PIL.__version__}"
+        return found + (_avif_codecs(name) if self.container == "AVIF" else "")
 
-@dataclass(frozen=True)
-class WebP(PillowPeer):
-    """Lossy WebP by libwebp at its slowest method; the format is 4:2:0 only."""
+    def encode(self, pixels: Pixels8, **options: Any) -> bytes:
+        from PIL import Image
 
-    name: ClassVar[str] = "webp"
-    container, feature, library = "WEBP", "webp", "libwebp"
-    scale: ClassVar[Sequence[float]] = range(101)
-    stated: ClassVar[str] = "quality={quality:.0f} method=6"
-    ladder: tuple[float, ...] = (0, 4, 12, 25, 45, 68, 82, 91, 96)
+        buffer = io.BytesIO()
+        Image.fromarray(pixels).save(buffer, self.container, **options)
+        return buffer.getvalue()
 
-    def options(self, quality: float) -> dict[str, Any]:
-        return {"quality": round(quality), "method": 6}
+    def decode(self, data: bytes, threads: int) -> Pixels8:
+        """By as many threads as pillow takes."""
+        from PIL import Image
 
-
-@dataclass(frozen=True)
-class Avif(PillowPeer):
-    """AVIF by libaom at speed 6, 4:4:4, as avifenc codes a PNG.
-
-    Tuned for PSNR, because libavif's default since libaom 3.12 tunes for an image-quality model and would
-    enter a comparison by PSNR with a handicap. Decodes with dav1d, whose thread count pillow does not
-    offer.
-    """
-
-    name: ClassVar[str] = "avif"
-    container, feature, library = "AVIF", "avif", "libavif"
-    scale: ClassVar[Sequence[float]] = range(100)
-    speed: ClassVar[int] = 6
-    tune: ClassVar[str] = "psnr"
-    ladder: tuple[float, ...] = (2, 8, 16, 26, 38, 52, 66, 79, 90)
-    threads: int = 1
-
-    def version(self) -> str:
-        libavif = super().version()
-        from PIL import _avif
-
-        if not _avif.encoder_codec_available("aom"):
-            raise UsageError("avif needs a pillow that encodes with libaom: pip install 'sgicodec[bench]'")
-        return f"{libavif}, {_avif.codec_versions()}"
-
-    def settings(self, quality: float) -> str:
-        chosen = f"speed={self.speed} tune={self.tune} tiles=1"
-        return f"quality={round(quality)} 4:4:4 aom {chosen} threads={self.threads}"
-
-    def options(self, quality: float) -> dict[str, Any]:
-        coding = {"quality": round(quality), "subsampling": "4:4:4", "codec": "aom", "speed": self.speed}
-        return {**coding, "autotiling": False, "advanced": {"tune": self.tune}, "max_threads": self.threads}
+        try:
+            with Image.open(io.BytesIO(data)) as picture:
+                return np.asarray(picture.convert("RGB"))
+        except Image.DecompressionBombError as error:
+            raise ValueError(f"pillow refuses to open it: {error}") from error
 
 
-@dataclass(frozen=True)
-class AvifSlow(Avif):
-    """AVIF as above at speed 2: what it can do for PSNR when time counts little."""
+def _avif_codecs(name: str) -> str:
+    from PIL import _avif
 
-    name: ClassVar[str] = "avif-s2"
-    speed: ClassVar[int] = 2
-
-
-@dataclass(frozen=True)
-class AvifIq(Avif):
-    """AVIF as libavif ships it: speed 6, tuned for its image-quality model, which is its default with libaom."""
-
-    name: ClassVar[str] = "avif-iq"
-    tune: ClassVar[str] = "iq"
-    ladder: tuple[float, ...] = (2, 10, 20, 32, 45, 58, 70, 82, 92)
+    if not _avif.encoder_codec_available("aom"):
+        raise UsageError(f"{name} needs a pillow that encodes with libaom: pip install 'sgicodec[bench]'")
+    return f", {_avif.codec_versions()}"
 
 
-@dataclass(frozen=True)
-class AvifIqSlow(AvifIq):
-    """The same at speed 2."""
+class LibJxl:
+    """The libjxl of imagecodecs."""
 
-    name: ClassVar[str] = "avif-iq-s2"
-    speed: ClassVar[int] = 2
-
-
-@dataclass(frozen=True)
-class Jpeg2000(PillowPeer):
-    """JPEG 2000 by OpenJPEG: a bare codestream, 9/7 wavelet. Its quality is the target rate in bpp."""
-
-    name: ClassVar[str] = "jpeg2000"
-    container, feature, library = "JPEG2000", "jpg_2000", "openjpeg"
-    scale: ClassVar[Sequence[float]] = tuple(0.02 * 1.01**step for step in range(600))
-    stated: ClassVar[str] = "bpp={quality:g} irreversible colour-transform"
-    ladder: tuple[float, ...] = (0.1, 0.15, 0.22, 0.33, 0.5, 0.8, 1.3, 2.5)
-
-    def options(self, quality: float) -> dict[str, Any]:
-        coding = {"irreversible": True, "mct": 1, "no_jp2": True}
-        return {**coding, "quality_mode": "rates", "quality_layers": [24 / quality]}
-
-
-@dataclass(frozen=True)
-class JpegXl(Peer):
-    """JPEG XL by libjxl at effort 7. Its quality is the Butteraugli distance: less is better."""
-
-    name: ClassVar[str] = "jxl"
-    scale: ClassVar[Sequence[float]] = tuple(round(25 / 1.01**step, 3) for step in range(550))
-    stated: ClassVar[str] = "distance={quality:g} effort=7 threads={0.threads}"
-    ladder: tuple[float, ...] = (25, 15, 9, 6, 4, 2.5, 1.6, 1.0, 0.6)
-    threads: int = 1
-
-    def version(self) -> str:
-        require("imagecodecs", self.name, "bench")
+    def version(self, name: str) -> str:
+        """Raises UsageError if it is missing."""
+        require("imagecodecs", name, "bench")
         import imagecodecs
 
         if not imagecodecs.JPEGXL.available:
-            raise UsageError("jxl needs an imagecodecs that holds libjxl: pip install 'sgicodec[bench]'")
+            raise UsageError(f"{name} needs an imagecodecs that holds libjxl: pip install 'sgicodec[bench]'")
         return str(imagecodecs.jpegxl_version())
 
-    def encode(self, pixels: Pixels8, quality: float) -> bytes:
+    def encode(self, pixels: Pixels8, **options: Any) -> bytes:
         import imagecodecs
 
-        return bytes(imagecodecs.jpegxl_encode(pixels, distance=quality, effort=7, numthreads=self.threads))
+        return bytes(imagecodecs.jpegxl_encode(pixels, **options))
+
+    def decode(self, data: bytes, threads: int) -> Pixels8:
+        import imagecodecs
+
+        return np.asarray(imagecodecs.jpegxl_decode(data, numthreads=threads), np.uint8)
+
+
+@dataclass(frozen=True)
+class Peer:
+    """A codec that runs in this process, on arrays.
+
+    scale: its qualities by rising rate, for searches. stated: its settings, as a format of `quality` and `threads`.
+    options: the same, as its library takes them.
+    """
+
+    name: str
+    library: Pillow | LibJxl
+    scale: Sequence[float]
+    ladder: tuple[float, ...]
+    stated: str
+    options: Callable[[float, int], dict[str, Any]]
+    threads: int = 1
+
+    def version(self) -> str:
+        """That of its library. Raises UsageError if it is missing."""
+        return self.library.version(self.name)
+
+    def settings(self, quality: float) -> str:
+        """`stated` for a quality."""
+        return self.stated.format(quality=quality, threads=self.threads)
+
+    def encode(self, pixels: Pixels8, quality: float) -> bytes:
+        return self.library.encode(pixels, **self.options(quality, self.threads))
 
     def decode(self, data: bytes) -> Pixels8:
-        import imagecodecs
+        return self.library.decode(data, self.threads)
 
-        return np.asarray(imagecodecs.jpegxl_decode(data, numthreads=self.threads), np.uint8)
+    def round_trip(self, pixels: Pixels8, quality: float) -> RoundTrip:
+        """Encode and decode in memory. Raises PictureError if the codec refuses the picture."""
+        try:
+            data, encode_seconds = timed(lambda: self.encode(pixels, quality))
+            decoded, decode_seconds = timed(lambda: self.decode(data))
+        except (OSError, ValueError, RuntimeError) as error:
+            size = f"{pixels.shape[1]}x{pixels.shape[0]}"
+            raise PictureError(f"{self.name} cannot code a picture of {size} pixels: {error}") from error
+        return RoundTrip(data, decoded, encode_seconds, decode_seconds)
 
 
-# In the order of the formats' age, which is also the order of tables.
-PEERS: dict[str, Callable[[int], Peer]] = {
-    "jpeg": lambda threads: Jpeg(),
-    "jpeg2000": lambda threads: Jpeg2000(),
-    "webp": lambda threads: WebP(),
-    "jxl": lambda threads: JpegXl(threads=threads),
-    "avif-iq": lambda threads: AvifIq(threads=threads),
-    "avif-iq-s2": lambda threads: AvifIqSlow(threads=threads),
-    "avif": lambda threads: Avif(threads=threads),
-    "avif-s2": lambda threads: AvifSlow(threads=threads),
+_JPEG_2000 = {"irreversible": True, "mct": 1, "no_jp2": True, "quality_mode": "rates"}
+_PSNR_LADDER, _IQ_LADDER = (2, 8, 16, 26, 38, 52, 66, 79, 90), (2, 10, 20, 32, 45, 58, 70, 82, 92)
+
+
+def _avif(name: str, speed: int, tune: str, ladder: tuple[float, ...]) -> Peer:
+    """AVIF by libaom, 4:4:4, as avifenc codes a PNG. Decodes with dav1d, whose thread count pillow does not offer.
+
+    Tuned for PSNR, because libavif's default since libaom 3.12, `iq`, tunes for an image-quality model and would enter
+    a comparison by PSNR with a handicap; or for that, as libavif ships it.
+    """
+    coding = {"subsampling": "4:4:4", "codec": "aom", "speed": speed, "autotiling": False, "advanced": {"tune": tune}}
+    stated = f"quality={{quality:.0f}} 4:4:4 aom speed={speed} tune={tune} tiles=1 threads={{threads}}"
+    library = Pillow("AVIF", "avif", "libavif")
+    return Peer(
+        name, library, range(100), ladder, stated, lambda q, n: coding | {"quality": round(q), "max_threads": n}
+    )
+
+
+PEERS = {
+    peer.name: peer
+    for peer in (
+        Peer(
+            "jpeg",
+            Pillow("JPEG", "libjpeg_turbo", "libjpeg-turbo"),
+            range(1, 96),
+            (4, 7, 11, 18, 30, 48, 70, 85, 93),
+            "quality={quality:.0f} 4:2:0 optimise progressive",
+            lambda q, _: {"quality": round(q), "subsampling": "4:2:0", "optimize": True, "progressive": True},
+        ),
+        Peer(
+            "jpeg2000",  # a bare codestream, 9/7 wavelet; its quality is the target rate in bpp
+            Pillow("JPEG2000", "jpg_2000", "openjpeg"),
+            tuple(0.02 * 1.01**step for step in range(600)),
+            (0.1, 0.15, 0.22, 0.33, 0.5, 0.8, 1.3, 2.5),
+            "bpp={quality:g} irreversible colour-transform",
+            lambda q, _: _JPEG_2000 | {"quality_layers": [24 / q]},
+        ),
+        Peer(
+            "webp",  # lossy at its slowest method; the format is 4:2:0 only
+            Pillow("WEBP", "webp", "libwebp"),
+            range(101),
+            (0, 4, 12, 25, 45, 68, 82, 91, 96),
+            "quality={quality:.0f} method=6",
+            lambda q, _: {"quality": round(q), "method": 6},
+        ),
+        Peer(
+            "jxl",  # its quality is the Butteraugli distance: less is better
+            LibJxl(),
+            tuple(round(25 / 1.01**step, 3) for step in range(550)),
+            (25, 15, 9, 6, 4, 2.5, 1.6, 1.0, 0.6),
+            "distance={quality:g} effort=7 threads={threads}",
+            lambda q, n: {"distance": q, "effort": 7, "numthreads": n},
+        ),
+        _avif("avif-iq", 6, "iq", _IQ_LADDER),
+        _avif("avif-iq-s2", 2, "iq", _IQ_LADDER),
+        _avif("avif", 6, "psnr", _PSNR_LADDER),
+        _avif("avif-s2", 2, "psnr", _PSNR_LADDER),  # what it can do for PSNR when time counts little
+    )
 }
+"""In the order of the formats' age, which is also the order of tables."""
 
 
 def find_peers(names: Iterable[str], threads: int = 1) -> tuple[list[Peer], dict[str, str]]:
@@ -171,7 +198,7 @@ def find_peers(names: Iterable[str], threads: int = 1) -> tuple[list[Peer], dict
     for name in names:
         if name not in PEERS:
             raise UsageError(f"no codec is called {name!r}; there are {', '.join(PEERS)}")
-        peer = PEERS[name](threads)
+        peer = replace(PEERS[name], threads=threads)
         try:
             peer.version()
         except UsageError as error:

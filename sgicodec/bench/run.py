@@ -12,14 +12,19 @@ from pathlib import Path
 
 import numpy as np
 
-from sgicodec.bench.codec import Codec, Pixels8
+from sgicodec.bench.codec import Pixels8
+from sgicodec.bench.peers import Peer
 from sgicodec.bench.published import PublishedCurves
 from sgicodec.bench.rows import Key, Results, Row
+from sgicodec.bench.sgi import SgiCodec
 from sgicodec.bench.summary import Summary, summarise
 from sgicodec.errors import PictureError, SgiError, UsageError
 from sgicodec.metrics.perceptual import Perceived, perceived
 from sgicodec.metrics.psnr import Pixels
 from sgicodec.metrics.scores import scores
+
+Codec = Peer | SgiCodec
+"""At a ladder of qualities, by rising rate; the scale of `quality` is the codec's own."""
 
 _SUFFIXES = {
     ".png",

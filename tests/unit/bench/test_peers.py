@@ -6,14 +6,13 @@ import numpy as np
 import pytest
 
 from sgicodec.bench.codec import Pixels8
-from sgicodec.bench.peer import Peer
-from sgicodec.bench.peers import Avif, AvifIq, AvifSlow, Jpeg, Jpeg2000, JpegXl, WebP, find_peers
+from sgicodec.bench.peers import PEERS, Peer, find_peers
 from sgicodec.errors import UsageError
 from sgicodec.metrics.psnr import psnr
 
 pytest.importorskip("imagecodecs")
 
-ALL = [Jpeg(), Jpeg2000(), WebP(), JpegXl(), Avif(), AvifIq(), AvifSlow()]
+ALL = list(PEERS.values())
 NAMES = [peer.name for peer in ALL]
 
 

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from sgicodec.bench.codec import Pixels8, RoundTrip
-from sgicodec.bench.peers import Jpeg
+from sgicodec.bench.peers import PEERS
 from sgicodec.bench.published import PUBLISHED
 from sgicodec.bench.rows import Results
 from sgicodec.bench.run import find_pictures, run_bench
@@ -99,7 +99,7 @@ def test_published_curves_stand_beside_the_measured_ones(tmp_path: Path) -> None
     kodak = Path(__file__).parents[2] / "data" / "kodim23.png"
     Image.fromarray(np.zeros((20, 30, 3), np.uint8)).save(tmp_path / "other.png")
     published = list(PUBLISHED.values())
-    summary = run_bench([kodak], [Jpeg(ladder=(30, 90))], tmp_path / "out", published=published)
+    summary = run_bench([kodak], [replace(PEERS["jpeg"], ladder=(30, 90))], tmp_path / "out", published=published)
     assert summary.codecs == ["jpeg", "coolchic5"]
     ((delta,),) = (c.rates.values() for c in summary.comparisons if c.test == "coolchic5")
     assert -90 < delta.value < -40

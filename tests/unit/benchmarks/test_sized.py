@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from benchmarks._sized import best_within, coded_to_size
 from sgicodec.bench.codec import Pixels8, RoundTrip
-from sgicodec.bench.peers import Jpeg
+from sgicodec.bench.peers import PEERS
 from sgicodec.bench.sgi import SgiCodec
 from sgicodec.errors import SgiError
 
@@ -30,8 +30,8 @@ def test_the_search_finds_the_last_that_fits(sizes: list[int], limit: int) -> No
 
 
 def test_a_codec_that_cannot_go_so_low_says_what_it_needs() -> None:
-    least = len(Jpeg().encode(picture(), 1))
-    found = coded_to_size(Jpeg(), picture(), 300)
+    least = len(PEERS["jpeg"].encode(picture(), 1))
+    found = coded_to_size(PEERS["jpeg"], picture(), 300)
     assert (found.codec, found.bytes, found.pixels, found.note) == ("jpeg", least, None, f"needs {least:,} bytes")
 
 
