@@ -26,7 +26,7 @@ from sgicodec.cli.paths import (
     size_of,
     with_extension,
 )
-from sgicodec.cli.pictures import Output, path_for, write_bands, write_picture, write_pyramid
+from sgicodec.cli.pictures import Output, path_for, write_bands, write_pyramid
 from sgicodec.cli.place import losses, lost_outside_tiff
 from sgicodec.cli.progress import row_progress
 from sgicodec.cli.residual import check_below
@@ -39,7 +39,6 @@ from sgicodec.plugins.ome_name import is_zarr_name
 if TYPE_CHECKING:
     from sgicodec.cli.pictures import Pyramid
     from sgicodec.decoder.stream import Bands, Stream
-    from sgicodec.picture import Picture
 
 _WRITERS = {
     "cog": ("sgicodec.plugins.cog", "rasterio"),
@@ -123,7 +122,7 @@ class DecodeJob:
         if pyramid is not None:
             names = list(_WRITERS[pyramid])
         else:
-            names = ["sgicodec.image.writer", *["OpenImageIO"] * (extension != "png")]
+            names = ["sgicodec.image.sink", *["OpenImageIO"] * (extension != "png")]
         if room_left() is None and self.limits.bound is None:
             with contextlib.suppress(RuntimeError):  # no thread to be had: they load when they are needed
                 Thread(target=_load, args=(names,)).start()
@@ -138,7 +137,7 @@ class DecodeJob:
 
     def _write(
         self, stream: Stream, view: dict[str, Any], path: Path, extension: str, pyramid: Pyramid | None
-    ) -> Bands | Picture:
+    ) -> Bands:
         if self.lossy:
             check_below(stream)
         stream.exact, stream.dither, stream.lossy = self.exact, self.dither, self.lossy
@@ -152,18 +151,13 @@ class DecodeJob:
         if pyramid is None:
             rows += bands.height * find(extension).in_library
         self.limits.check(bands.width, bands.height, bands.row_bytes * rows)
-        if pyramid is not None:
-            with row_progress(self.files.mode, bands.height) as draw:
+        with row_progress(self.files.mode, None if whole else bands.height) as draw:
+            if pyramid is not None:
                 write_pyramid(stream, view, path, pyramid, self.output, draw)
-            return bands
-        if not whole:
-            with row_progress(self.files.mode, bands.height) as draw:
-                write_bands(stream.header, bands, path, extension, output, draw)
-            return bands
-        with row_progress(self.files.mode, None):
-            picture = stream.picture(**view)
-            write_picture(picture, path, extension, output)
-        return picture
+            else:
+                parts = [(0, stream.picture(**view))] if whole else bands
+                write_bands(stream.header, _size(bands), parts, path, extension, output, draw)
+        return bands
 
     def _extension(self, stream: Stream, target: str | None) -> str:
         """Extension of the format to write. Raises UsageError for an unknown format."""
@@ -194,11 +188,11 @@ class DecodeJob:
         return extension
 
 
-def _is_scaled(stream: Stream, view: Mapping[str, Any], shown: Bands | Picture) -> bool:
+def _is_scaled(stream: Stream, view: Mapping[str, Any], shown: Bands) -> bool:
     return _size(shown) != (view["region"] or (0, 0, stream.width, stream.height))[2:]
 
 
-def _size(shown: Bands | Picture) -> tuple[int, int]:
+def _size(shown: Bands) -> tuple[int, int]:
     return shown.width, shown.height
 
 

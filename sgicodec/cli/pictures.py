@@ -1,10 +1,11 @@
-"""Where a decoded picture goes: to a file, a pipe or stdout, whole or band by band."""
+"""Where a decoded picture goes: to a file, a pipe or stdout, band by band."""
 
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -15,9 +16,7 @@ from sgicodec.plugins.ome_name import is_ome_name, is_zarr_name
 
 if TYPE_CHECKING:
     from sgicodec.bitstream.header import Header
-    from sgicodec.decoder.bands import Bands
     from sgicodec.decoder.stream import Stream
-    from sgicodec.image.sink import Sink
     from sgicodec.picture import Picture
 
 Pyramid = Literal["tiff", "ome", "cog", "zarr"]
@@ -63,14 +62,6 @@ def path_for(target: str, extension: str) -> Iterator[Path]:
             copyfileobj(file, out)
 
 
-def write_picture(picture: Picture, path: Path, extension: str, output: Output) -> None:
-    """Writes a picture that is in memory."""
-    from sgicodec.image.writer import write
-
-    picture = _as_seen(picture, extension, output)
-    write(picture, path, format=extension, png_level=output.png_level, threads=output.threads)
-
-
 def write_pyramid(
     stream: Stream, view: dict[str, Any], path: Path, kind: Pyramid, output: Output, draw: Callable[[int], None]
 ) -> None:
@@ -93,24 +84,28 @@ def write_pyramid(
 
 
 def write_bands(
-    header: Header, bands: Bands, path: Path, extension: str, output: Output, draw: Callable[[int], None]
+    header: Header,
+    size: tuple[int, int],
+    bands: Iterable[tuple[int, Picture]],
+    path: Path,
+    extension: str,
+    output: Output,
+    draw: Callable[[int], None],
 ) -> None:
-    """Writes a picture band by band: no more than one of them is ever in memory. draw: called with the rows that are
-    done. Raises PictureError or StreamError.
+    """Writes a picture of this size band by band: no more than one of them is ever in memory. draw: called with the
+    rows that are done. Raises PictureError or StreamError.
     """
-    sink: Sink | None = None
-    try:
+    from sgicodec.image.sink import open_sink
+
+    count = header.spec.channels if header.channels == "multi" else None
+    begin = partial(open_sink, bands=count, format=extension, png_level=output.png_level, threads=output.threads)
+    with contextlib.ExitStack() as stack:
         for top, picture in bands:
-            if sink is None:
-                sink = _sink(path, header, bands, picture, extension, output)
+            if top == 0:
+                made = begin(path, *size, header.channels, picture.pixels.dtype, metadata=picture.metadata)
+                sink = stack.enter_context(made)
             sink.write_rows(top, _as_seen(picture, extension, output).pixels)
             draw(top + picture.height)
-    except BaseException:
-        if sink is not None:
-            sink.abort()
-        raise
-    if sink is not None:
-        sink.close()
 
 
 def _as_seen(picture: Picture, extension: str, output: Output) -> Picture:
@@ -122,20 +117,3 @@ def _as_seen(picture: Picture, extension: str, output: Output) -> Picture:
     if picture.alpha is None or output.is_exact or not find(extension).associated:
         return picture
     return replace(picture, pixels=np.where(picture.pixels[..., -1:] == 0, 0, picture.pixels))
-
-
-def _sink(path: Path, header: Header, bands: Bands, first: Picture, extension: str, output: Output) -> Sink:
-    from sgicodec.image.sink import open_sink
-
-    return open_sink(
-        path,
-        bands.width,
-        bands.height,
-        header.channels,
-        first.pixels.dtype,
-        first.metadata,
-        bands=header.spec.channels if header.channels == "multi" else None,
-        format=extension,
-        png_level=output.png_level,
-        threads=output.threads,
-    )
