@@ -20,7 +20,6 @@ from torch import Tensor
 
 from sgicodec import EncodeSettings, encode_picture, read
 from sgicodec.bitstream.header import Header
-from sgicodec.bitstream.parts.prior import prior_file
 from sgicodec.bitstream.parts.tile import TileModel
 from sgicodec.decoder.stream import open_stream
 from sgicodec.device import ONE_THREAD
@@ -29,6 +28,7 @@ from sgicodec.fit.noise import NoiseKey
 from sgicodec.fit.step_sizes import flat_steps
 from sgicodec.model.network import IntNetwork
 from sgicodec.model.spec import ModelSpec
+from tests.support.prior_file import prior_file
 from tests.support.torch_step.context_net import ContextNet
 from tests.support.torch_step.quantization_proxy import QuantizationProxy
 

@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 from sgicodec import _native
 from sgicodec.bitstream.chunks import metadata_of
 from sgicodec.bitstream.header import Header, decode_header
-from sgicodec.bitstream.printable import printable
 from sgicodec.decoder.array_view import ArrayView
 from sgicodec.decoder.bands import Bands
 from sgicodec.decoder.survey import Survey, survey_of
@@ -40,6 +39,8 @@ CACHE_BYTES = 1 << 28
 """What decoded tiles may take before those that were used least recently are released."""
 BLOCK_SAMPLES = 1 << 27
 """A picture is rendered in blocks of at most so many samples; a sixteenth with texture, which is rendered to floats."""
+_MAX_SOFTWARE = 200
+"""Bytes that are shown of the name of the program that wrote a stream."""
 
 BytesLike = bytes | bytearray | memoryview | Any
 """Whatever has a buffer: also mmap, and arrays of bytes."""
@@ -77,7 +78,7 @@ class Stream(ArrayView):
         self.has_overview = self._native.has_overview
         """Whether the stream carries the picture in small."""
         self.metadata = metadata_of(blobs)
-        self.software = printable(blobs.get("s", b""))
+        self.software = _printable(blobs.get("s", b""))
         self.grid = self.header.grid
         if self.nodata is not None:
             self._native.set_blank(self.nodata)
@@ -324,6 +325,12 @@ def open_stream(source: str | os.PathLike[str] | BytesLike | BinaryIO, device: D
     if not isinstance(source, bytes) and not hasattr(source, "read"):
         raise UsageError(f"{type(source).__name__} is no stream; give a path, bytes or a binary file object")
     return Stream(source, device=device)  # type: ignore[arg-type]
+
+
+def _printable(text: bytes) -> str:
+    """The start of a text that somebody else wrote, without what could steer a terminal."""
+    decoded = text[:_MAX_SOFTWARE].decode("utf-8", "replace")
+    return "".join(character if character.isprintable() else "\N{REPLACEMENT CHARACTER}" for character in decoded)
 
 
 def _opened(source: bytes | BinaryIO | int, device: Device) -> _native.Stream:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 from sgicodec.bitstream.recognition import looks_like_stream
 from sgicodec.decoder.stream import open_stream
@@ -34,19 +34,6 @@ class Listing(NamedTuple):
     cut: bool
 
 
-class Catalog(Protocol):
-    """Where files come from."""
-
-    def find(self, name: str) -> Path:
-        """The file of that name. Raises Refusal."""
-
-    def has_folder(self, name: str) -> bool:
-        """Whether there is a folder of that name."""
-
-    def listing(self, name: str) -> Listing:
-        """What lies in the folder of that name; "" is the top. Raises Refusal."""
-
-
 class Folder:
     """The streams in a folder and its subfolders, by suffix and first bytes. Links that lead out of it, and names that
     begin with a dot, do not exist.
@@ -61,21 +48,21 @@ class Folder:
             raise UsageError(f"{root} is no folder; sgi view shows a file")
 
     def find(self, name: str) -> Path:
-        """See `Catalog`."""
+        """The file of that name. Raises Refusal."""
         path = self._inside(name)
         if path.suffix.lower() != _SUFFIX or not _is_stream(path):
             raise _absent(name)
         return path
 
     def has_folder(self, name: str) -> bool:
-        """See `Catalog`."""
+        """Whether there is a folder of that name."""
         try:
             return self._inside(name).is_dir()
         except Refusal:
             return False
 
     def listing(self, name: str) -> Listing:
-        """See `Catalog`."""
+        """What lies in the folder of that name; "" is the top. Raises Refusal."""
         folder = self._inside(name) if name else self.root
         folders: list[str] = []
         streams: list[ListedStream] = []
@@ -121,20 +108,24 @@ class ListedFiles:
         self._files = files
 
     def find(self, name: str) -> Path:
-        """See `Catalog`."""
+        """As that of `Folder`."""
         if name not in self._files or not self._files[name].is_file():
             raise _absent(name)
         return self._files[name]
 
     def has_folder(self, name: str) -> bool:
-        """See `Catalog`."""
+        """As that of `Folder`."""
         return False
 
     def listing(self, name: str) -> Listing:
-        """See `Catalog`."""
+        """As that of `Folder`."""
         if name:
             raise _absent(name)
         return Listing([], [_listed(each, self._files[each]) for each in sorted(self._files)], False)
+
+
+Catalog = Folder | ListedFiles
+"""Where files come from."""
 
 
 def _listed(name: str, path: Path) -> ListedStream:

@@ -9,7 +9,7 @@ from symbols import SymbolReader, SymbolWriter, write_texture
 
 from sgicodec._native import TEXTURE_MIN_LOG as MIN_LOG
 from sgicodec._native import TEXTURE_ROOT_LOG
-from sgicodec.bitstream.parts.texture import layer_of
+from sgicodec.bitstream.parts.tile import layer_of
 from sgicodec.model.texture_symbols import LAPPED, TextureGrid, TextureIndices, TextureSymbols, roots_of
 
 

@@ -9,11 +9,12 @@ import pytest
 from data_files import ROOT, crop
 
 from sgicodec import EncodeSettings, Picture, encode_picture
-from sgicodec.bitstream.parts.prior import load_prior, parse_prior, prior_file
+from sgicodec.bitstream.parts.prior import load_prior, parse_prior
 from sgicodec.decoder.stream import open_stream
 from sgicodec.errors import UsageError
 from sgicodec.model.network import IntNetwork
 from sgicodec.profiles.default import default_spec
+from tests.support.prior_file import prior_file
 
 QUICK = EncodeSettings(quality=45, steps=60)
 SHIPPED = (ROOT / "sgicodec" / "bitstream" / "parts" / "prior1.bin").read_bytes()

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from functools import cache
 
 import numpy as np
@@ -61,13 +60,3 @@ def parse_prior(data: bytes, spec: ModelSpec) -> tuple[IntNetwork, ...]:
     if len(data) != at * _NUMBER.itemsize:
         raise UsageError(f"this is no prior: it has {len(data)} bytes, not {at * _NUMBER.itemsize}")
     return tuple(networks)
-
-
-def prior_file(networks: Sequence[IntNetwork]) -> bytes:
-    """The file of networks, as `parse_prior` takes it."""
-    parts = []
-    for network in networks:
-        (hidden, inputs), outputs = network.w1.shape, len(network.w2)
-        parts.append(np.array([inputs, hidden, outputs, network.predicted, network.shift]))
-        parts += [array.reshape(-1) for array in network.arrays]
-    return np.concatenate(parts).astype(_NUMBER).tobytes()

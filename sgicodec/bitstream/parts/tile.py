@@ -8,11 +8,11 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sgicodec import _native
 from sgicodec.arrays import F64, I64
 from sgicodec.bitstream.header import Header, encode_header
-from sgicodec.bitstream.parts.texture import layer_of
 from sgicodec.device import ONE_THREAD, Device
 from sgicodec.model.context import hash_grid
 from sgicodec.model.layout import SeedLayout
@@ -20,7 +20,13 @@ from sgicodec.model.network import IntNetwork
 from sgicodec.model.quantization import FRACTION_BITS
 from sgicodec.model.restoration import Restoration
 from sgicodec.model.steps import StepPlan
-from sgicodec.model.texture_symbols import TextureSymbols
+from sgicodec.model.texture_symbols import TextureGrid, TextureIndices, TextureSymbols
+
+TextureSteps = tuple[
+    int, list[int], tuple[int, int], tuple[int, int, int], bool, tuple[int, int, int], tuple[bool, int, int]
+]
+ReadTexture = tuple[TextureSteps, NDArray[np.uint8], NDArray[np.int8], NDArray[np.int16]]
+"""A layer of texture as native code has it."""
 
 
 @dataclass
@@ -90,3 +96,12 @@ def read_tile(header: Header, payload: bytes, device: Device = ONE_THREAD) -> tu
         decoder_shift=read.decoder_shift,
     )
     return model, read
+
+
+def layer_of(read: ReadTexture | None, size: tuple[int, int]) -> TextureSymbols | None:
+    """The texture of a tile of `size` as native code read it."""
+    if read is None:
+        return None
+    (step, ratios, slopes, excess, has_contrast, colours, grid), log_size, contrast, symbols = read
+    steps = TextureIndices(step, tuple(ratios), slopes, excess, has_contrast, colours)
+    return TextureSymbols(size, steps, log_size, contrast, symbols, TextureGrid(*grid))

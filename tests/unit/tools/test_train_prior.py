@@ -11,7 +11,8 @@ pytest.importorskip("torch")
 from data_files import crop
 
 from sgicodec import EncodeSettings, encode_picture
-from sgicodec.bitstream.parts.prior import load_prior, parse_prior, prior_file
+from sgicodec.bitstream.parts.prior import load_prior, parse_prior
+from tests.support.prior_file import prior_file
 from tools.train_prior import TrainingNet, seeds_in, train
 
 
