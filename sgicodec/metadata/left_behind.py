@@ -248,5 +248,5 @@ def _palette(table: ifd.Entry | None) -> str:
     """What becomes of the classes that samples of a palette are. table: its colours, of 16 bits."""
     stated = table.data if table is not None and table.kind == _SHORT else b""
     levels = [level for (level,) in struct.iter_unpack("<H", stated)]
-    is_rounded = max(levels, default=0) >= 256 and any(level % 256 and level % 257 for level in levels)
-    return f"palette (RGB{' of 8 bits' if is_rounded else ''} instead)"
+    is_rounded = max(levels, default=0) >= 256 and any(level % 257 for level in levels)
+    return f"palette (RGB{' of 8 bits, rounded down,' if is_rounded else ''} instead)"
