@@ -247,20 +247,21 @@ class TileState(Prepared):
         """
         tile = self.tile
         left = Objective(self.header, self.target, tile.device).decoded_residual(self.model)[:, :, : tile.unit.shape[2]]
-        searches = [self._search_of(left, grid) for grid in tile.grids]
-        if len(searches) == 1:
-            return searches[0]
-        steps, price = self._steps(self.first_step), self.price
-        lapped, separate = (search.estimate(steps, price, state.step_offsets) for state, search in searches)
-        return searches[1] if separate < SEPARATE_COST * lapped else searches[0]
-
-    def _search_of(self, left: F32, grid: TextureGrid) -> tuple[TileState, TextureSearch]:
-        """As `begin_texture`, for what seeds leave [C, H, W], on this grid."""
-        tile, steps = self.tile, self._steps(self.first_step)
+        steps, grid = self._steps(self.first_step), self._grid_for(left)
         offsets = tile.masking.offsets(steps, grid)
         colours = colours_for(left, steps, self.price, offsets, tile.device, grid)
         search = TextureSearch(left, tile.device, tile.effort.split_margin, None, colours, grid)
         return replace(self, step_offsets=offsets), search
+
+    def _grid_for(self, left: F32) -> TextureGrid:
+        """The grid on which what seeds leave [C, H, W] costs less, by an estimate for the middle of it."""
+        grids = self.tile.grids
+        if len(grids) == 1:
+            return grids[0]
+        rows, columns = (_middle(side) for side in left.shape[1:])
+        searches = (TextureSearch(left[:, rows, columns], self.tile.device, grid=grid) for grid in grids)
+        lapped, separate = (search.estimate(self._steps(self.first_step), self.price, None) for search in searches)
+        return grids[1] if separate < SEPARATE_COST * lapped else grids[0]
 
     @property
     def first_step(self) -> int:
@@ -288,3 +289,10 @@ class TileState(Prepared):
         if layer is None or not self.tile.spec.restoration:
             return None
         return self.tile.restorer.strength(search, layer, self.tile.texture_lmbda)
+
+
+def _middle(side: int) -> slice:
+    """The middle half of a side, all of a short one, from a multiple of 8 on, as grids of blocks begin."""
+    size = max(side // 2, min(side, 256))
+    start = (side - size) // 16 * 8
+    return slice(start, start + size)
