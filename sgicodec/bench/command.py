@@ -100,8 +100,12 @@ def bench(
     With --lossless and --max-error every codec (sgi, png, jpegls, webp, lerc, jxl) gets each picture's own samples, of
     any depth and number of bands, and its bytes and processor seconds go to OUT/lossless.tsv.
     """
+    if at_score is not None and not math.isfinite(at_score):
+        raise UsageError(f"--at-score {at_score} is no score")
     errors = ((0.0,) if lossless else ()) + errors
     if errors:
+        if at_score is not None:
+            raise UsageError("--at-score is of curves, which --lossless and --max-error do not measure")
         _measure_lossless(places, codecs, errors, efforts, variants, threads, out, as_json)
         return
     for library in ("scipy", "matplotlib") if plots else ("scipy",):
@@ -219,11 +223,12 @@ def compare(
 
     if a == b == "-":
         raise UsageError("stdin holds one file; name A or B")
-    if map_path is not None and Path(map_path).exists():
-        if any(Path(path).exists() and Path(path).samefile(map_path) for path in (a, b)):
-            raise UsageError(f"{map_path} is both input and output; name another --map")
-        if not force:
-            raise OutputExistsError(f"{map_path} exists; give -f to overwrite it")
+    if not (math.isfinite(gain) and (fail_under is None or not math.isnan(fail_under))):
+        raise UsageError("--gain and --fail-under take numbers")
+    if "" in (a, b, map_path):
+        raise UsageError("the name of a picture is empty")
+    if map_path is not None:
+        _check_map(map_path, (a, b), force)
     reference, other = _picture(a), _picture(b)
     profiles = reference.metadata.icc, other.metadata.icc
     if profiles[0] != profiles[1]:
@@ -257,6 +262,27 @@ def compare(
         raise TargetMissedError(f"{b} is at {found.psnr:.3f} dB of {a}, below the {fail_under:g} dB asked for")
 
 
+def _check_map(path: str, sources: Sequence[str], force: bool) -> None:
+    """Raises PictureError, UsageError or OutputExistsError for what could not be written, or should not."""
+    from sgicodec.image.formats import find
+
+    find(Path(path).suffix)
+    if not Path(path).absolute().parent.is_dir():
+        raise UsageError(f"{path}: its folder does not exist")
+    if not Path(path).exists():
+        return
+    if any(Path(source).exists() and Path(source).samefile(path) for source in sources):
+        raise UsageError(f"{path} is both input and output; name another --map")
+    if not force:
+        raise OutputExistsError(f"{path} exists; give -f to overwrite it")
+
+
+def _kept(origin: str) -> str | bytes:
+    """The origin, or all that comes from a pipe, which would be read twice."""
+    path = Path(origin)
+    return path.read_bytes() if path.exists() and not (path.is_file() or path.is_dir()) else origin
+
+
 def _picture(origin: str) -> Picture:
     """The picture in a file, in stdin (-) or behind a URL; of a stream that which it decodes to. Raises PictureError,
     StreamError.
@@ -265,7 +291,7 @@ def _picture(origin: str) -> Picture:
     from sgicodec.decoder.stream import file_at, open_stream
     from sgicodec.image.source import open_source
 
-    data = sys.stdin.buffer.read() if origin == "-" else origin
+    data = sys.stdin.buffer.read() if origin == "-" else _kept(origin)
     try:
         with BytesIO(data) if isinstance(data, bytes) else file_at(data) as file:
             is_stream = file.read(len(SIGNATURE)) == SIGNATURE
@@ -319,12 +345,18 @@ def _choose_codecs(wanted: Sequence[str], by_name: bool, threads: int) -> list[C
     return [*peers]
 
 
+def _whole(effort: float) -> int:
+    if effort != int(effort):
+        raise UsageError(f"--efforts {effort:g}: an effort is a whole number")
+    return int(effort)
+
+
 def _sgi_curves(qualities: str, efforts: str, variants: tuple[str, ...], threads: int) -> list[SgiCodec]:
     """Sgi at each effort with each variant's options."""
     from sgicodec.bench.sgi import SgiCodec
 
     points = tuple(sorted(numbers(qualities, "--qualities")))
-    levels: list[int | None] = [int(level) for level in numbers(efforts, "--efforts")]
+    levels: list[int | None] = [_whole(level) for level in numbers(efforts, "--efforts")]
     given = [variant(text, "--sgi") for text in variants] or [("", ())]
     return [
         SgiCodec(points, level, threads, label=label, options=options)

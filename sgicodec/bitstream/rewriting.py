@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import zlib
 from typing import BinaryIO, NamedTuple
 
-from sgicodec.bitstream.container import CRC_BYTES, END, SIGNATURE, ChunkWriter
+from sgicodec.bitstream.container import CRC_BYTES, END, MAX_PAYLOAD, SIGNATURE, ChunkWriter
 from sgicodec.bitstream.index import Place, encode_index
+from sgicodec.errors import CorruptStreamError
 
 RESIDUAL = "r"
 """The letter of the chunk of a residual layer."""
+_MAX_VARINT = 9
+"""Bytes of a length."""
 
 
 def rewrite_stream(source: BinaryIO, file: BinaryIO, residual: bytes | None) -> int:
@@ -42,10 +46,14 @@ class _Chunk(NamedTuple):
 
 
 def _next_chunk(source: BinaryIO) -> _Chunk:
-    head, length = source.read(1), 0
-    while True:
+    """Raises CorruptStreamError for one that is cut off, or has another CRC."""
+    head, length, byte = source.read(1), 0, b"\x80"
+    while byte >= b"\x80" and len(head) <= _MAX_VARINT:
         byte = source.read(1)
-        length |= (byte[0] & 0x7F) << 7 * (len(head) - 1)
+        length |= (byte[0] & 0x7F) << 7 * (len(head) - 1) if byte else 0
         head += byte
-        if byte[0] < 0x80:
-            return _Chunk(head[:1].decode(), length, head + source.read(length + CRC_BYTES))
+    rest = source.read(length + CRC_BYTES) if length <= MAX_PAYLOAD else b""
+    crc = zlib.crc32(rest[:length], zlib.crc32(head)).to_bytes(CRC_BYTES, "little")
+    if rest[length:] != crc or not head[:1].isalpha():
+        raise CorruptStreamError("a chunk is damaged or cut off")
+    return _Chunk(head[:1].decode(), length, head + rest)

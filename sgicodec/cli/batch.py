@@ -14,7 +14,7 @@ from typing import Any, Literal
 
 import click
 
-from sgicodec.cli.files import complain
+from sgicodec.cli.files import complain, failure
 from sgicodec.cli.json_output import print_json
 from sgicodec.cli.paths import STANDARD, check_output, display, local_name
 from sgicodec.cli.progress import Mode, batch_progress
@@ -114,6 +114,16 @@ class Files:
         is_named = self.output is not None
         check_output(target, (source,), self.force, by_default=by_default, becomes=None if is_named else becomes)
 
+    def is_done(self, source: str, target: str) -> bool:
+        """Whether IN is to be skipped since it has its OUT, which --json tells."""
+        if not self.skip_existing or not os.path.exists(target):
+            return False
+        if os.path.exists(source) and os.path.samefile(source, target):  # which is refused
+            return False
+        if self.as_json:
+            print_json({"input": source, "output": target, "skipped": True})
+        return True
+
     def each(
         self,
         content: str,
@@ -154,15 +164,15 @@ class Files:
                 draw(number, display(item.source), left)
                 try:
                     target = _target(item, extension_of)
-                    if self.skip_existing and os.path.exists(target):
+                    if self.is_done(item.source, target):
                         skipped += 1
                         continue
                     _make_folder(os.path.dirname(target))
                     size += work(item.source, target)
                     finished += 1
-                except SgiError as error:
+                except Exception as error:
                     failed += 1
-                    complain(error, item.source, item.stem)
+                    complain(failure(error), item.source, item.stem)
         if self.as_json:
             counts = {"files": len(items), done: finished, "skipped": skipped, "failed": failed}
             print_json(counts | {"bytes": size})

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import os
 import time
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
@@ -85,7 +84,7 @@ class DecodeJob:
         from sgicodec.decoder.levels import levels_of
 
         files = self.files
-        if files.skip_existing and os.path.exists(target or with_extension(source, self.extension_of(source))):
+        if files.skip_existing and files.is_done(source, target or with_extension(source, self.extension_of(source))):
             return 0
         started = time.monotonic()
         with self._opened(source) as stream:
@@ -183,8 +182,10 @@ class DecodeJob:
             extension = find(format_ or suffix).extensions[0]
         except PictureError as error:
             raise UsageError(str(error)) from None
-        if self.output.pyramid and extension != "tif":
-            raise UsageError(f"--pyramid and --cog write TIFF, not .{extension}")
+        if extension != "tif" and self.output.pyramid_of(target or ""):
+            raise UsageError(f"--pyramid, --cog and .ome.tif write TIFF, not .{extension}")
+        if self.output.png_level is not None and extension != "png" and not self.files.are_many:
+            raise UsageError(f"--png-level is of PNG, not .{extension}")
         return extension
 
 

@@ -164,24 +164,29 @@ def encode(
     check_name(device)
     computes = device_of(device if cluster is None else "cpu", threads)
     if lossless:
-        if choices["max_error"]:
+        if choices["max_error"] is not None:
             raise UsageError("--lossless and --max-error exclude each other")
         choices["max_error"] = 0
     for name in ("network", "prior"):
         if choices[name] is not None:
-            with open(choices[name], "rb") as file:
-                choices[name] = file.read(_MAX_FILE)
+            try:
+                with open(choices[name], "rb") as file:
+                    choices[name] = file.read(_MAX_FILE)
+            except OSError as error:
+                raise UsageError(f"--{name}: {display(choices[name])}: {error.strerror or error}") from error
     of_each = {name: choices.pop(name) for name in _OF_EACH}
     settings = _settings(choices)
     if cluster is None and (source_at is not None or send_pixels):
         raise UsageError("--source-at and --send-pixels go with --cluster")
     if source_at is not None and send_pixels:
         raise UsageError("--source-at and --send-pixels exclude each other")
+    if cluster is not None and of_each["max_memory"] is not None:
+        raise UsageError("--max-memory is of this machine's workers, and does not go with --cluster")
     verbose = bool(click.get_current_context().meta.get(VERBOSE))
 
     def run(source: str, target: str | None) -> int:
         target = _default_target(source) if target is None else target
-        if files.skip_existing and os.path.exists(target):
+        if files.is_done(source, target):
             return 0
         started = time.monotonic()
         from sgicodec.cli.encode_file import EncodeOptions, encode_file

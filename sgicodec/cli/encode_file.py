@@ -19,6 +19,7 @@ from sgicodec.errors import TargetMissedError, UsageError
 from sgicodec.executors.executor import MIB
 from sgicodec.executors.peak import own_peak
 from sgicodec.executors.processes import ProcessExecutor
+from sgicodec.files.scratch import scratch_folder
 from sgicodec.image.source import open_to_encode
 
 if TYPE_CHECKING:
@@ -155,6 +156,4 @@ def _part(target: str, stack: ExitStack) -> Path:
     """Where finished tiles are kept: beside OUT, or for a moment where that is no file."""
     if not is_written_directly(target):
         return Path(os.path.realpath(target) + ".part")
-    import tempfile
-
-    return Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="sgicodec-"))) / "part"
+    return stack.enter_context(scratch_folder()) / "part"

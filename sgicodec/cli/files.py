@@ -7,6 +7,7 @@ from collections.abc import Callable
 import click
 
 from sgicodec.cli.paths import display
+from sgicodec.cli.texts import NO_MEMORY
 from sgicodec.errors import BatchError, SgiError
 
 
@@ -21,11 +22,20 @@ def each_file(sources: tuple[str, ...], work: Callable[[str], None]) -> None:
     for source in sources:
         try:
             work(source)
-        except SgiError as error:
+        except Exception as error:
             failed += 1
-            complain(error, source)
+            complain(failure(error), source)
     if failed:
         raise BatchError(f"{failed} of {len(sources)} files failed")
+
+
+def failure(error: Exception) -> SgiError:
+    """What to say of one file that failed, where others follow. Raises what is none of its faults."""
+    if isinstance(error, SgiError):
+        return error
+    if isinstance(error, MemoryError) or any(text in str(error) for text in NO_MEMORY):
+        return SgiError("there is not enough memory")
+    raise error
 
 
 def complain(error: SgiError, *names: str) -> None:

@@ -45,6 +45,10 @@ def _pattern(name: str, pattern: str, example: str, read: Callable[[re.Match[str
     return _Value(name, example, lambda text: (found := compiled.fullmatch(text.strip())) and read(found))
 
 
+_STDOUT = ("/dev/stdout", "/dev/fd/1", "/proc/self/fd/1")
+"""Names of what `-` stands for as OUT."""
+
+
 class _Name(click.ParamType):  # type: ignore[type-arg]
     """The name of a file or a folder: not empty, as an unset variable of the shell is. kind: "file" or "dir", which the
     shell completes.
@@ -59,7 +63,7 @@ class _Name(click.ParamType):  # type: ignore[type-arg]
         """Called by click."""
         if value == "":
             self.fail("the name is empty", param, ctx)
-        return value
+        return "-" if value in _STDOUT else value
 
     def shell_complete(self, ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:
         """Called by click."""

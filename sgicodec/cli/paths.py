@@ -28,8 +28,9 @@ def name_of(path: str, standard: str = "stdin") -> str:
 
 
 def display(path: str, standard: str = "stdin") -> str:
-    """What to call an argument in messages; undecodable bytes of a file name become question marks."""
-    return os.fsencode(name_of(path, standard)).decode("utf-8", "replace")
+    """What to call an argument in messages, without what could steer a terminal."""
+    text = os.fsencode(name_of(path, standard)).decode("utf-8", "replace")
+    return "".join(character if character.isprintable() else "\N{REPLACEMENT CHARACTER}" for character in text)
 
 
 def with_extension(path: str, extension: str) -> str:
@@ -129,15 +130,24 @@ def check_output(
         return
     if not os.access(folder, os.W_OK):
         raise UsageError(f"{name}: the folder {display(str(folder))} cannot be written to")
-    for source in sources:
-        if source != STANDARD and path.exists() and os.path.exists(source) and path.samefile(source):
-            raise UsageError(f"{name} is both input and output; name another OUT")
+    for written in (path, *_beside(path)):
+        for source in sources:
+            if source != STANDARD and written.exists() and os.path.exists(source) and written.samefile(source):
+                raise UsageError(f"{display(str(written))} is both input and output; name another OUT")
     if becomes == "stream":
         _check_stream(path)
     if becomes == "copy":
         _refuse_picture(path, "name another OUT")
     if path.exists():
         _check_replaced(path, force, by_default, becomes)
+
+
+def _beside(path: Path) -> list[Path]:
+    """What is written beside OUT until it is done."""
+    from sgicodec.files.lock import lock_file
+
+    part = path.with_name(f"{path.name}.part")
+    return [part, path.with_name(f"{part.name}-journal"), lock_file(path), lock_file(part)]
 
 
 def _check_replaced(path: Path, force: bool, by_default: bool, becomes: str | None) -> None:
@@ -176,9 +186,16 @@ def _refuse_picture(path: Path, remedy: str) -> None:
         raise UsageError(f"{display(str(path))} would be OUT, but: {error.strerror or error}") from error
 
 
-def given(source: str) -> str | bytes:
-    """What reads pictures and streams takes: the path, or all that comes from stdin."""
-    return sys.stdin.buffer.read() if source == STANDARD else source
+def given(source: str, *, again: bool = False) -> str | bytes:
+    """What reads pictures and streams takes: the path, or all that comes from stdin. again: whether it is read more
+    than once; then all of a pipe, too. Raises OSError.
+    """
+    if source == STANDARD:
+        return sys.stdin.buffer.read()
+    if not again or is_url(source) or os.path.isfile(source) or os.path.isdir(source) or not os.path.exists(source):
+        return source
+    with open(source, "rb") as file:
+        return file.read()
 
 
 @contextlib.contextmanager

@@ -72,7 +72,9 @@ def refine(
         raise UsageError("stdin holds one file; name PICTURE or IN")
     settings = EncodeSettings(max_error=max_error)
     check_output(target, (picture, source), force, becomes="copy")
-    device, data = Device(threads), given(source)
+    device = Device(threads)
+    with naming_stream(source):
+        data = given(source, again=True)
     with ExitStack() as stack:
         listener = EncodeListener("off", quiet, on_cluster=False, source=picture)
         reading: dict[str, Any] = {"alpha": alpha, "page": page, "option": "--page"}
@@ -104,9 +106,10 @@ def strip(source: str, target: str, force: bool, quiet: bool) -> None:
     from sgicodec.decoder.stream import open_stream
 
     check_output(target, (source,), force, becomes="copy")
-    data = given(source)
-    with naming_stream(source), open_stream(data) as stream:
-        check_below(stream)
+    with naming_stream(source):
+        data = given(source, again=True)
+        with open_stream(data) as stream:
+            check_below(stream)
     _rewritten(data, source, target, None, quiet)
 
 

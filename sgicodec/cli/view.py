@@ -8,6 +8,7 @@ from urllib.parse import quote, urlencode
 
 import click
 
+from sgicodec.bitstream.recognition import looks_like_stream
 from sgicodec.cli.command import HelpfulCommand
 from sgicodec.cli.options import FILE, threads_option
 from sgicodec.cli.paths import STANDARD, display
@@ -50,6 +51,8 @@ def view(source: str, other: str | None, no_browser: bool, port: int, threads: i
     files: dict[str, Path] = {}
     urls: dict[str, str] = {}
     query = {"file": _file_parameter(source, files, urls)}
+    if not is_url(source) and not looks_like_stream(source):
+        raise StreamError(f"{display(source)}: it is no stream; a picture can be OTHER")
     query |= {"other": _file_parameter(other, files, urls)} if other else {}
     hosts = (_HOST, "localhost")
     settings = Settings(device=Device(threads), public=False, hosts=hosts, viewer=viewer, max_age=0, remote=urls)

@@ -38,7 +38,8 @@ _KINDS: dict[str, tuple[type, str]] = {
 }
 """What settings are, by their annotations, and how a message says so."""
 
-_OF_ONE_PROFILE = {"prior": "default"} | dict.fromkeys(("seeds", "per_seed", "features", "levels"), "paper")
+_OF_ONE_PROFILE = dict.fromkeys(("prior", "restoration"), "default")
+_OF_ONE_PROFILE |= dict.fromkeys(("seeds", "per_seed", "features", "levels"), "paper")
 """Settings that no other profile has."""
 
 
@@ -246,6 +247,8 @@ class EncodeSettings:
         refuse_several_goals([*targets, *(["lmbda"] if self.lmbda is not None else [])])
         if targets and self.max_error is not None:
             raise UsageError(f"{targets[0]} and max-error exclude each other: a residual layer takes what it takes")
+        if self.restoration and not self.texture:
+            raise UsageError("restoration restores texture, and there is none")
         if self.tune == "visual" and self.profile == "paper":
             raise UsageError("the paper profile is not tuned for the eye")
         if targets and self.profile == "paper":

@@ -19,7 +19,8 @@ except ImportError:  # where there is no fcntl, a second program is not noticed
 
 _TRIES = 100
 """A holder that ends removes its lock's file: whoever opened that one before looks for the next."""
-_MAX_TEXT = 300
+_HOLDER, _MAX_TEXT = b"process ", 300
+"""How a lock's file begins, and what is read of it."""
 
 
 def lock_of(path: Path, *, create: bool = False, wait: bool = False) -> int:
@@ -30,7 +31,7 @@ def lock_of(path: Path, *, create: bool = False, wait: bool = False) -> int:
     """
     if fcntl is None:
         raise OSError(errno.ENOTSUP, "files have no locks here")
-    descriptor = os.open(path, os.O_RDWR | os.O_CREAT if create else os.O_RDONLY, 0o666)
+    descriptor = os.open(path, os.O_NOFOLLOW | (os.O_RDWR | os.O_CREAT if create else os.O_RDONLY), 0o666)
     try:
         fcntl.flock(descriptor, fcntl.LOCK_EX | (0 if wait else fcntl.LOCK_NB))
     except OSError:
@@ -50,7 +51,7 @@ def locked(path: Path) -> Iterator[None]:
         yield
         return
     path = Path(os.path.realpath(path))
-    beside = path.with_name(f".{path.name}.lock")
+    beside = lock_file(path)
     try:
         descriptor = _held(beside, path)
     except OSError:  # a name that is too long, a folder that cannot be written: writing reports it
@@ -64,17 +65,27 @@ def locked(path: Path) -> Iterator[None]:
         os.close(descriptor)
 
 
+def lock_file(path: Path) -> Path:
+    """The file that stands for the lock of what lies at `path`."""
+    return path.with_name(f".{path.name}.lock")
+
+
 def _held(beside: Path, path: Path) -> int:
-    """The lock of the file at `beside`, with who holds it inside."""
+    """The lock of the file at `beside`, with who holds it inside. Raises OSError for a link, and a file that is no
+    lock.
+    """
     for _ in range(_TRIES):
         try:
             descriptor = lock_of(beside, create=True)
         except BlockingIOError:
             raise OutputLockedError(f"{path} is being written by {_holder(beside)}; wait for it or end it") from None
         if _is_at(descriptor, beside):
+            if os.pread(descriptor, len(_HOLDER), 0) not in (b"", _HOLDER):
+                os.close(descriptor)
+                raise OSError(f"{beside} is no lock")
             with contextlib.suppress(OSError):  # a full disk holds an empty file, whose lock is as good
                 os.truncate(descriptor, 0)
-                os.write(descriptor, f"process {os.getpid()} on {platform.node()}, since {time.ctime()}".encode())
+                os.write(descriptor, _HOLDER + f"{os.getpid()} on {platform.node()}, since {time.ctime()}".encode())
             return descriptor
         os.close(descriptor)
     raise OSError(f"{beside} comes and goes")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
-import shutil
+import stat
 from collections.abc import Iterator
 from pathlib import Path
 from typing import BinaryIO
@@ -37,5 +37,18 @@ def whole_file(path: Path) -> Iterator[BinaryIO]:
 def put_in_place(finished: Path, path: Path) -> None:
     """Renames a file; who may read that which it replaces may read it, and nobody else. Raises OSError."""
     with contextlib.suppress(FileNotFoundError):
-        shutil.copymode(path, finished)
+        keep_access(path, finished)
     os.replace(finished, path)
+
+
+def keep_access(path: Path, finished: Path) -> None:
+    """Gives what is to replace `path` its group and mode; where the group cannot be given, it gets no access. Raises
+    OSError.
+    """
+    there, mode = path.stat(), stat.S_IMODE(path.stat().st_mode)
+    if there.st_gid != finished.stat().st_gid:
+        try:
+            os.chown(finished, -1, there.st_gid)
+        except OSError:
+            mode &= ~stat.S_IRWXG
+    finished.chmod(mode)

@@ -6,13 +6,13 @@ import contextlib
 import os
 import re
 import shutil
-import tempfile
 from collections.abc import Iterator
 from io import BytesIO
 from pathlib import Path
 from typing import BinaryIO
 
 from sgicodec.errors import PictureError, UsageError
+from sgicodec.files.scratch import scratch_folder
 from sgicodec.image.zarr_reader import is_zarr
 from sgicodec.remote.url import file_name, is_url
 
@@ -83,7 +83,7 @@ def on_disk(origin: Origin) -> Iterator[Path]:
                 raise UsageError(f"{kind} is no picture file; give a path, bytes or a binary file object")
         head = stream.read(_HEAD)
         suffix = suffix if suffix in _SLIDES else _suffix(head)
-        copy = stack.enter_context(tempfile.NamedTemporaryFile(prefix="sgicodec-", suffix=suffix))
+        copy = stack.enter_context((stack.enter_context(scratch_folder()) / f"picture{suffix}").open("wb"))
         try:
             copy.write(head)
             shutil.copyfileobj(stream, copy)
@@ -92,7 +92,7 @@ def on_disk(origin: Origin) -> Iterator[Path]:
             with contextlib.suppress(OSError):  # of what the disk did not take before
                 copy.close()
             text = error.strerror or str(error)
-            raise PictureError(f"it cannot be copied to {Path(copy.name).parent}: {text}") from error
+            raise PictureError(f"it cannot be copied to {Path(copy.name).parents[1]}: {text}") from error
         yield Path(copy.name)
 
 

@@ -16,6 +16,7 @@ from sgicodec.decoder.levels import levels_of
 from sgicodec.decoder.stream import Stream
 from sgicodec.errors import PictureError, UsageError, require
 from sgicodec.files.scratch import scratch_folder
+from sgicodec.files.whole import keep_access
 from sgicodec.metadata.gdal_items import band_facts
 from sgicodec.plugins.pyramid import microns_of, strips
 
@@ -81,11 +82,18 @@ def _replace(target: Path, folder: Path) -> None:
     """Puts what is new in the place of what was there, which goes with the folder."""
     from sgicodec.image.zarr_reader import is_zarr
 
-    if target.exists():
-        if not is_zarr(target):
-            raise UsageError(f"{target} is no folder of Zarr, and is not replaced by one")
-        target.rename(folder / "old")
-    (folder / "new").rename(target)
+    new, old = folder / "new", folder / "old"
+    try:
+        if target.exists():
+            if not is_zarr(target):
+                raise UsageError(f"{target} is no folder of Zarr, and is not replaced by one")
+            keep_access(target, new)
+            target.rename(old)
+        new.rename(target)
+    except BaseException:
+        if old.exists() and not target.exists():
+            old.rename(target)
+        raise
 
 
 def _write(stream: Stream, folder: Path, view: dict[str, Any], done: Callable[[int], None]) -> None:

@@ -21,6 +21,7 @@ from sgicodec.files.lock import locked
 _TABLES = """
 PRAGMA locking_mode = EXCLUSIVE;
 PRAGMA synchronous = EXTRA;
+PRAGMA application_id = 0x73676963;
 BEGIN EXCLUSIVE;
 CREATE TABLE IF NOT EXISTS encode (fingerprint BLOB);
 CREATE TABLE IF NOT EXISTS tiles (tile INTEGER, pass INTEGER, facts TEXT, payload BLOB, crc INTEGER,
@@ -29,6 +30,8 @@ CREATE TABLE IF NOT EXISTS cached (name TEXT PRIMARY KEY, value, crc INTEGER);
 COMMIT;
 """
 """A statement is on the disk when it returns, and a second encode cannot open the file."""
+_MAGIC, _MARK, _MARK_AT = b"SQLite format 3\0", b"sgic", 68
+"""How SQLite's files begin, and the application that ours name."""
 
 
 def fingerprint(plan: Plan, picture: bytes) -> bytes:
@@ -62,6 +65,8 @@ class Checkpoint(Store):
     def _opened(self, fingerprint: Callable[[], bytes]) -> Iterator[Checkpoint]:
         import sqlite3
 
+        if not _is_replaceable(self.path):
+            raise UsageError(f"{self.path} is no checkpoint of sgi; move it, or name another OUT")
         if self.path.exists() and not self._resume:
             if not self._force:
                 text = "holds an encode that was interrupted; --resume goes on, -f starts over"
@@ -136,6 +141,18 @@ class Checkpoint(Store):
         """With what SQLite left beside it when it was killed."""
         self.path.unlink(missing_ok=True)
         self.path.with_name(f"{self.path.name}-journal").unlink(missing_ok=True)
+
+
+def _is_replaceable(path: Path) -> bool:
+    """Whether there is nothing, an empty file or a checkpoint, sound or not."""
+    try:
+        with path.open("rb") as file:
+            head = file.read(_MARK_AT + len(_MARK))
+    except FileNotFoundError:
+        return True
+    except OSError:  # a folder, a file that may not be read
+        return False
+    return not head or (head.startswith(_MAGIC) and head.endswith(_MARK))
 
 
 def _crc(*values: object) -> int:

@@ -7,6 +7,7 @@ import os
 import shutil
 from pathlib import Path
 from typing import Any
+from unittest.mock import Mock
 
 import pytest
 from command import done, refused, sgi
@@ -57,6 +58,33 @@ def test_what_is_there_is_left_out(tree: Path, tmp_path: Path) -> None:
     again = sgi("encode", *options, "--skip-existing")
     assert (again.exit_code, again.stdout) == (0, "0 of 4 files encoded, 4 there already, 0 bytes\n")
     assert sgi("encode", *options).stderr.count("exists; give -f") == 4
+    one = done("encode", tree / "a.png", out / "a.sgi", "--skip-existing", "--json").stdout
+    assert json.loads(one)["skipped"] is True
+
+
+def test_a_picture_called_as_its_stream_is_not_done(tmp_path: Path) -> None:
+    shutil.copy(PICTURES / "hopper.sgi", tmp_path)  # of Silicon Graphics
+    found = sgi("encode", "-r", tmp_path, "--skip-existing")
+    assert (found.exit_code, found.stdout) == (1, "0 of 1 files encoded, 0 bytes\n")
+    assert "both input and output" in found.stderr
+
+
+@pytest.mark.parametrize("name", ["x.sgi.part", ".x.sgi.lock", "x.sgi.part-journal"])
+def test_what_is_written_beside_out_is_not_in(picture: Path, name: str) -> None:
+    source = picture.rename(picture.with_name(name))
+    assert f"{source} is both input" in refused(2, "encode", source, source.with_name("x.sgi"), "--tile", 32, "-f")
+    assert source.exists()
+
+
+def test_one_without_memory_stops_nothing(tree: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("sgicodec.encoder.pipeline.windows_of", Mock(side_effect=MemoryError))
+    found = sgi("encode", "-r", tree, "--steps", 1)
+    assert (found.exit_code, found.stderr.count(": there is not enough memory\n")) == (1, 4)
+
+
+def test_names_do_not_steer_a_terminal(stream: Path) -> None:
+    odd = stream.rename(stream.with_name("a\n\x1b[31mb.sgi"))
+    assert done("verify", odd).stdout.startswith(f"{stream.parent}/a\ufffd\ufffd[31mb.sgi: ok")
 
 
 def test_equal_names_are_one_line_and_stop_nothing(picture: Path, tmp_path: Path) -> None:

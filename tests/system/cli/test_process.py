@@ -82,9 +82,10 @@ def test_pipes_without_a_name_are_written(picture: Path, stream: Path, arguments
     source, more = (picture, ["--steps", 2, "-j", 1, *options]) if command == "encode" else (stream, [])
     file = picture.with_name("file.sgi")
     assert run(command, source, file, "--quiet", *more)[0] == 0
-    process = start(command, source, "/dev/stdout", "--quiet", *more)
+    process = start(command, source, "/dev/stdout", *more)
     data, errors = process.communicate(timeout=HANGS)
     assert (process.returncode, data) == (0, file.read_bytes()), errors
+    assert b"stdout: " in errors
 
 
 def test_a_cluster_cannot_read_a_pipe(shared: Path, tmp_path: Path) -> None:

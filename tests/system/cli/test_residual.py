@@ -112,3 +112,11 @@ def test_standard_streams(picture: Path, stream: Path, tmp_path: Path) -> None:
     by_name, by_stdin = sgi("compare", picture, stream), sgi("compare", picture, "-", stdin=data)
     assert (by_stdin.exit_code, by_stdin.stdout) == (0, by_name.stdout)
     assert {path.name for path in tmp_path.iterdir()} == {"scene.png", "scene.sgi", "b.sgi"}
+
+
+def test_damage_is_not_copied(stream: Path, tmp_path: Path) -> None:
+    data = stream.read_bytes()
+    for at in range(8, len(data), 7):
+        (tmp_path / "x.sgi").write_bytes(data[:at] + bytes([data[at] ^ 64]) + data[at + 1 :])
+        assert "damaged" in refused(4, "strip", tmp_path / "x.sgi", tmp_path / "y.sgi")
+        assert not (tmp_path / "y.sgi").exists()

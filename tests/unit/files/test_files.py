@@ -15,7 +15,7 @@ from children import HANGS
 from sgicodec.errors import OutputLockedError
 from sgicodec.files.lock import locked
 from sgicodec.files.scratch import scratch_folder
-from sgicodec.files.whole import whole_file
+from sgicodec.files.whole import keep_access, whole_file
 
 
 def write_whole(path: Path, data: bytes) -> None:
@@ -53,6 +53,30 @@ def test_permissions_are_those_of_the_old_file(tmp_path: Path) -> None:
     target.chmod(0o600)
     write_whole(target, b"x")
     assert stat.S_IMODE(target.stat().st_mode) == 0o600
+
+
+def test_who_is_no_owner_of_a_group_shuts_it_out(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Rather than let another one in."""
+    old, new = tmp_path / "old", tmp_path / "new"
+    for path in (old, new):
+        path.touch(0o640)
+    old.chmod(0o640)
+    keep_access(old, new)
+    assert stat.S_IMODE(new.stat().st_mode) == 0o640
+    monkeypatch.setattr(Path, "stat", lambda path: Mock(st_gid=1 + (path == old), st_mode=0o100640))
+    monkeypatch.setattr(os, "chown", Mock(side_effect=PermissionError))
+    keep_access(old, new)
+    assert stat.S_IMODE(os.stat(new).st_mode) == 0o600
+
+
+@pytest.mark.parametrize("how", ["link", "letter"])
+def test_what_is_no_lock_is_left_alone(tmp_path: Path, how: str) -> None:
+    letter, lock = tmp_path / "letter", tmp_path / ".a.sgi.lock"
+    letter.write_text("dear all")
+    lock.symlink_to(letter) if how == "link" else letter.rename(lock)
+    with locked(tmp_path / "a.sgi"):
+        pass
+    assert lock.read_text() == "dear all"
 
 
 def test_follows_links(tmp_path: Path) -> None:

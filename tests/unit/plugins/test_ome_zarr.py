@@ -5,6 +5,7 @@ from __future__ import annotations
 import subprocess
 import sys
 from pathlib import Path
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -113,6 +114,16 @@ def test_what_may_be_replaced(tmp_path: Path) -> None:
     assert "is not replaced" in refused(2, "decode", source, other, "-f")
     assert (other / "letter.txt").exists()
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a.zarr", "b.zarr"]
+
+
+@pytest.mark.parametrize("failure", [OSError(28, "full"), KeyboardInterrupt()])
+def test_what_was_there_comes_back(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, failure: BaseException) -> None:
+    out, rename, fail = tmp_path / "a.zarr", Path.rename, Mock(side_effect=failure)
+    done("decode", GOLDEN / "rgb8.sgi", out)
+    (out / "old").touch()
+    monkeypatch.setattr(Path, "rename", lambda path, to: fail() if path.name == "new" else rename(path, to))
+    assert sgi("decode", GOLDEN / "rgb8.sgi", out, "-f").exit_code > 0
+    assert (out / "old").exists()
 
 
 def test_what_goes_not_together(stream: sgicodec.Stream, tmp_path: Path) -> None:
