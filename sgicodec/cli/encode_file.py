@@ -139,6 +139,8 @@ def _executor(origin: str, options: EncodeOptions, source: Source, stack: ExitSt
         text = "a picture in one tile keeps no checkpoint; leave --resume out"
         side = next((side for side in (1024, 512, 256) if max(source.width, source.height) > side), None)
         raise UsageError(text + (f", or cut the picture into tiles with --tile {side}" if side else ""))
+    if count == 1 and options.settings.overview and not options.files.are_many:
+        raise UsageError("a picture in one tile has no overview; leave --overview out")
     if options.cluster is None:
         return ProcessExecutor(options.device.cores, options.max_memory)
     if count == 1:
