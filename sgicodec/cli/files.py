@@ -42,4 +42,9 @@ def complain(error: SgiError, *names: str) -> None:
     """Prints an error as one line that names one of the files."""
     text = str(error)
     named = text if any(display(name) in text for name in names) else f"{display(names[0])}: {text}"
-    click.echo(f"sgi: {' '.join(named.split())}", err=True)
+    click.echo(f"sgi: {one_line(named)}", err=True)
+
+
+def one_line(message: str) -> str:
+    """A message in one line, without what could steer a terminal."""
+    return "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in " ".join(message.split()))

@@ -143,7 +143,9 @@ def _print_version(ctx: click.Context, param: click.Parameter, value: bool) -> N
 
 
 def _complain(message: str, status: int) -> int:
-    click.echo(f"sgi: {' '.join(message.split())}", err=True)
+    from sgicodec.cli.files import one_line
+
+    click.echo(f"sgi: {one_line(message)}", err=True)
     return status
 
 

@@ -79,9 +79,8 @@ _ASKED = {
     _INK_SET,
 }
 _FIRST_PRIVATE = 32768
-_DNG = {*range(50706, 51200)} - {51023}  # of Fibics, who make microscopes
-_IDLE_PRIVATE = _DNG | {*range(32995, 32999), 33421, 33422, 37398, 50341, 50674, 59932, 59933}
-"""How samples are stored, or become a photograph (DNG, TIFF/EP); what printers and Windows leave; bytes of ImageJ's."""
+_IDLE_PRIVATE = {*range(32995, 32999), 33421, 33422, 37398, 50341, 50674, 59932, 59933}
+"""How samples become a photograph (TIFF/EP); what printers and Windows leave; bytes of ImageJ's."""
 
 
 def left_behind(data: Bytes) -> list[str]:

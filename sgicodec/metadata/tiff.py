@@ -29,6 +29,7 @@ KEPT = _EXIF | geo.TAGS | {XMP}
 STRUCTURE = {
     *(*range(254, 269), *range(273, 282), 284, *range(288, 294), 297, 301, *range(317, 321), *range(322, 331)),
     *(*range(332, 337), *range(338, 342), 347, *range(512, 522), *range(529, 533), 559, 34675),
+    *({*range(50706, 51200)} - {51023}),  # of DNG, but for Fibics, who make microscopes
 } - _EXIF
 """Tags of the first directory that say how pixels are stored or become colours; what they lose is said by name."""
 
