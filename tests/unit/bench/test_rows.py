@@ -66,12 +66,3 @@ def test_a_broken_line_is_named(tmp_path: Path) -> None:
     path.write_text(path.read_text() + "a\tb\n")
     with pytest.raises(UsageError, match="line 3 is no result: 2 values"):
         Results(path)
-
-
-@pytest.mark.parametrize("text", ["name\tvalue\n", "a shopping list"])
-def test_a_foreign_file_is_refused_and_left_alone(tmp_path: Path, text: str) -> None:
-    path = tmp_path / "results.tsv"
-    path.write_text(text)
-    with pytest.raises(UsageError, match="other columns"):
-        Results(path)
-    assert path.read_text() == text

@@ -59,12 +59,6 @@ def test_the_region_and_what_is_taken_from_it_make_the_index(key: object, gray: 
     np.testing.assert_array_equal(array[y : y + height, x : x + width][inner], expected)
 
 
-def test_no_more_than_the_index_spans_is_touched() -> None:
-    assert indexed_region(np.s_[2:5, ::4], SHAPE)[0] == (0, 2, 9, 3)
-    assert indexed_region(np.s_[-1, 6:1:-2, 0], SHAPE)[0] == (2, 6, 5, 1)
-    assert indexed_region(np.s_[4:4], SHAPE)[0] == (0, 0, 9, 0)
-
-
 @pytest.mark.parametrize("key", [7, -8, (0, 9), (0, 0, 3), (0, 0, 0, 0), (..., ...)])
 def test_outside(key: object) -> None:
     with pytest.raises(RegionError) as found:

@@ -56,17 +56,6 @@ def test_the_tables_cost_what_the_fit_believes(family: int, bits: Rate, scale: i
     np.testing.assert_allclose(believed.numpy()[likely], coded[likely], atol=0.02)
 
 
-@pytest.mark.parametrize(("step", "scale"), [(0.01, 0.05), (3.0, 2.5)])
-def test_bits_between_symbols_are_those_of_the_distribution(step: float, scale: float) -> None:
-    deviation, q, s = step * torch.linspace(-2.2, 1.7, 40).double(), *torch.tensor([step, scale]).double()
-    for bits, density in (
-        (bits_gaussian, torch.distributions.Normal(0.0, s)),
-        (bits_laplace, torch.distributions.Laplace(0.0, s / 2**0.5)),
-    ):
-        mass = density.cdf(deviation + q / 2) - density.cdf(deviation - q / 2)
-        np.testing.assert_allclose(bits(deviation, q, s), -torch.log2(mass), rtol=1e-6)
-
-
 def context_of(spec: ModelSpec) -> tuple[tuple[IntNetwork, ...], list[NDArray[np.int64]], ContextNet]:
     """Random networks, signs of a hash grid, and both in floats."""
     rng, counts = np.random.default_rng(0), hash_grid(spec.context, *SIZE).counts

@@ -15,7 +15,6 @@ from image_files import noise, save, window_rows
 
 from sgicodec import open_source, read, write
 from sgicodec.errors import PictureError
-from sgicodec.image import access
 from sgicodec.image.opened import Opened
 from sgicodec.picture import Picture
 
@@ -59,14 +58,6 @@ def test_rows_that_are_kept_are_decoded_once(tmp_path: Path, monkeypatch: pytest
         for x, y in ((0, 40), (50, 150), (100, 0), (7, 240), (0, 40)):
             np.testing.assert_array_equal(source.read(x, y, 60, 61).pixels, pixels[y : y + 61, x : x + 60])
     assert sum(call.args[2] for call in samples.mock_calls) == 301
-
-
-def test_large_pictures_are_not_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    path = save(tmp_path / "x.png", noise(90, 80, 3, "uint16"))
-    for limit, kind in ((90 * 80 * 3 * 2, "KeptRows"), (90 * 80 * 3 * 2 - 1, "Rows")):
-        monkeypatch.setattr(access, "MAX_KEPT", limit)
-        with open_source(path, keeps=True) as source:
-            assert type(source._access).__name__ == kind
 
 
 def test_rows_are_read_again_after_damage(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,15 +1,12 @@
-"""Native code that Python does not see: the thread pool, functions of vectors, libsgi's interface, the heap."""
+"""Native code that Python does not see: the thread pool, functions of vectors, libsgi's interface."""
 
 from __future__ import annotations
 
 import os
-import platform
 import shutil
 import subprocess
-import sys
 from pathlib import Path
 
-import pytest
 from children import HANGS
 from data_files import ROOT
 
@@ -53,33 +50,3 @@ def test_the_interface_of_libsgi_suits_the_decoder() -> None:
     """Slow tests alone build and call it; here it is only read by a compiler."""
     named = [f"-I{ROOT / 'include'}", "-DSGI_BUILDING=1", '-DSGI_VERSION="0"']
     compiled("-std=gnu++17", "-fsyntax-only", "-Wno-psabi", *named, *sorted((NATIVE / "capi").glob("*.cpp")))
-
-
-FAULTS = """
-import resource
-import numpy as np
-from sgicodec._native import keep_freed_memory
-
-def faults():
-    before = resource.getrusage(resource.RUSAGE_SELF).ru_minflt
-    for _ in range(20):
-        planes = [np.ones(1 << 20, np.float32) for _ in range(4)]
-        del planes
-    return resource.getrusage(resource.RUSAGE_SELF).ru_minflt - before
-
-faults()
-before = faults()
-keep_freed_memory()
-faults()
-print(before, faults())
-"""
-
-
-@pytest.mark.skipif(platform.libc_ver()[0] != "glibc", reason="the heap of another C library")
-@pytest.mark.skipif("libasan" in os.environ.get("LD_PRELOAD", ""), reason="the sanitizer's heap")
-def test_that_freed_memory_serves_again_without_page_faults() -> None:
-    result = subprocess.run([sys.executable, "-c", FAULTS], capture_output=True, text=True, check=True)
-    before, after = (int(word) for word in result.stdout.split())
-    pages = 4 * (4 << 20) // 4096  # of the planes
-    assert after < pages
-    assert after < before / 4

@@ -67,15 +67,6 @@ def test_the_number_of_threads_changes_no_byte(isa: str) -> None:
     assert all(result == results[0] for result in results)
 
 
-def test_an_instance_may_change_its_size() -> None:
-    raster = NativeRasterizer(Device(1))
-    rng = np.random.default_rng(4)
-    for count, side in ((50, 64), (3, 17), (200, 90), (0, 5)):
-        scene = random_scene(rng, count, 3, side, side, sigma=(1.0, 4.0))
-        image = raster.forward(*scene, side, side)
-        np.testing.assert_array_equal(image, NativeRasterizer(Device(1)).forward(*scene, side, side))
-
-
 @every_isa
 def test_memory_is_bounded(isa: str) -> None:
     """Ten Gaussians, the last of which touch all of 4×3 tiles."""

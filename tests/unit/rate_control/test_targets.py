@@ -108,23 +108,6 @@ def test_targets_and_what_meets_them() -> None:
     assert 0 < psnr.rate_error(math.inf) < math.inf
 
 
-def test_the_nearest_is_one_that_does_not_miss_the_target() -> None:
-    size = RateTarget("bytes", 1000)
-    assert size.nearest([1001, 700, 900, 1300]) == 2
-    assert size.nearest([1300, 1001, 1400]) == 1
-    psnr = RateTarget("psnr", 30.0)
-    assert psnr.nearest([29.8, 33.0, 30.5]) == 2
-    assert psnr.nearest([28.0, 29.8, 20.0]) == 1
-
-
-def test_scores() -> None:
-    score = RateTarget("score", 70.0)
-    assert [score.is_met(s) for s in (68.9, 69.1, 70.9, 71.1)] == [False, True, True, False]
-    assert [score.is_missed(s) for s in (68.9, 69.1, 90.0)] == [True, False, False]
-    assert score.rate_error(78.0) == pytest.approx(1.0)
-    assert score.miss_message(61.25).endswith("SSIMULACRA 2 70 was found; the best reaches 61.2")
-
-
 def test_every_target_of_the_table_is_a_setting_and_an_option_on_its_page() -> None:
     page = (ROOT / "docs" / "cli.md").read_text()
     for name, target in TARGETS.items():

@@ -92,21 +92,6 @@ def test_a_layer_scores_more_than_one_of_finer_steps(luma_space: bool, passes: i
     assert case.similarity() > other.similarity() - 0.002  # which is not climbed
 
 
-def test_a_pass_goes_on_with_half_of_what_the_one_before_moved_along() -> None:
-    case = Case()
-    ascent, layer = ScoreAscent(case.unit, Screen(case.spec), None, ONE_THREAD), case.found()
-    score, own = ascent.climb(case.search, layer, case.offsets, 0.01)
-    again, both = ascent.climb(case.search, layer, case.offsets, 0.01, own)
-    assert again == score
-    assert np.allclose(both, 1.5 * own)
-
-
-def test_moves_become_shorter_and_all_of_them_grow_with_the_passes() -> None:
-    moves = [mean_moves(passes) for passes in range(1, 9)]
-    assert all(sorted(some, reverse=True) == some for some in moves)
-    assert [sum(some) / sum(moves[0]) for some in moves] == pytest.approx([passes**0.5 for passes in range(1, 9)])
-
-
 def test_pixels_that_count_nothing_move_nothing() -> None:
     case = Case(empty=np.ones((256, 384), bool))
     before = case.found()

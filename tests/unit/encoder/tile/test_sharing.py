@@ -11,11 +11,10 @@ import scipy.ndimage
 from sgicodec.encoder.pipeline import encode_picture
 from sgicodec.encoder.plan import Shape, stream_plan
 from sgicodec.encoder.settings import EncodeSettings
-from sgicodec.encoder.tile.sharing import MIN_WEIGHT, coherence, part_of_steps, smoothed
+from sgicodec.encoder.tile.sharing import MIN_WEIGHT, coherence, smoothed
 from sgicodec.encoder.tile.stages import encode, prepare, share
 from sgicodec.encoder.tile.state import Prepared, tile_of
 from sgicodec.encoder.tile.writing import write
-from sgicodec.model.layout import SeedLayout
 from sgicodec.picture import Picture
 
 LMBDA = 0.002
@@ -115,24 +114,6 @@ def test_smoothing_is_a_mirrored_convolution(shape: tuple[int, int]) -> None:
     plane = np.random.default_rng(6).random(shape)
     expected = scipy.ndimage.gaussian_filter(plane, 0.7, mode="reflect")
     np.testing.assert_allclose(smoothed(plane, 0.7), expected, rtol=1e-12)
-
-
-@pytest.mark.parametrize(("weight", "part"), [(1.0, 0.5), (0.75, 0.375), (0.1, 0.25), (3.0, 1.0)])
-def test_few_seeds_are_worth_few_steps(weight: float, part: float) -> None:
-    """Of eight superblocks, four have a seed."""
-    corner = np.array([[0, 0], [96, 32], [64, 0], [126, 62]], np.int32)
-    weights = np.full((64, 128), 9.0, np.float32)
-    weights[[8, 40, 8, 63], [8, 104, 72, 127]] = weight
-    layout = SeedLayout(corner, np.array([4, 4, 4, 1], np.int8))
-    assert part_of_steps(100, 300, layout, weights) == pytest.approx(part)
-
-
-@pytest.mark.parametrize(("weight", "steps"), [(0.1, 300), (0.45, 600), (0.9, 900)])
-def test_more_steps_than_usual_are_for_what_seeds_show(weight: float, steps: int) -> None:
-    """Of each superblock, 16 seeds."""
-    corner = np.stack(np.divmod(np.arange(128), 16), axis=-1).astype(np.int32) * [16, 4]
-    layout = SeedLayout(corner.astype(np.int32), np.full(128, 2, np.int8))
-    assert part_of_steps(900, 300, layout, np.full((64, 128), weight, np.float32)) * 900 == pytest.approx(steps)
 
 
 def test_a_stated_number_of_steps_stays() -> None:
